@@ -1,0 +1,23 @@
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(glm REQUIRED)
+find_package(assimp REQUIRED)
+find_package(OpenImageIO REQUIRED)
+find_package(hwy REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(benchmark REQUIRED)
+
+# Embree 4 (Ubuntu 24.04) or 3 (Debian 12); scenes/ray_scene.cpp is the only file that sees the difference.
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3 REQUIRED)
+endif()
+message(STATUS "Embree ${embree_VERSION}")
+# Debian's config names the include folder of Embree itself; the compiler wants its parent.
+add_library(penumbra_embree INTERFACE)
+target_link_libraries(penumbra_embree INTERFACE embree)
+target_compile_definitions(penumbra_embree INTERFACE PENUMBRA_EMBREE_MAJOR=${embree_VERSION_MAJOR})

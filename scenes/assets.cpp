@@ -1,0 +1,68 @@
+#include "scenes/assets.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "scenes/toml_reader.h"
+
+namespace penumbra {
+namespace fs = std::filesystem;
+
+std::string data_folder() {
+  const char* overridden = std::getenv("PENUMBRA_DATA");
+  return overridden ? overridden : PENUMBRA_DATA_FOLDER;
+}
+
+const std::vector<Asset>& assets() {
+  static const std::vector<Asset> all = [] {
+    std::vector<Asset> list;
+    TomlReader file = TomlReader::open(data_folder() + "/assets.toml");
+    for (TomlReader& entry : file.tables("asset")) {
+      const auto text = [&](const char* key) { return entry.required(key, entry.text(key), "a string"); };
+      list.push_back({text("name"), text("kind"), text("file"), text("package"), text("licence")});
+      entry.finish();
+    }
+    file.finish();
+    return list;
+  }();
+  return all;
+}
+
+std::string asset_file(const std::string& name, const std::string& kind) {
+  for (const Asset& asset : assets()) {
+    if (asset.name != name || asset.kind != kind) continue;
+    if (!fs::exists(asset.file))
+      throw Error("{} '{}' is not installed: {} is missing; install the package {} (scripts/setup.sh does)", kind, name,
+                  asset.file, asset.package);
+    return asset.file;
+  }
+  return "";
+}
+
+std::string asset_names(const std::string& kind) {
+  std::vector<std::string> names;
+  for (const Asset& asset : assets())
+    if (asset.kind == kind) names.push_back(asset.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::vector<std::string> shipped_names(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(data_folder() + "/" + folder))
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string shipped_file(const std::string& name, const std::string& folder) {
+  if (fs::is_regular_file(name) || name.ends_with(".toml")) return name;
+  const std::string file = data_folder() + "/" + folder + "/" + name + ".toml";
+  if (!fs::exists(file))
+    throw Error("'{}' is neither a file nor shipped; shipped are: {}", name, fmt::join(shipped_names(folder), ", "));
+  return file;
+}
+
+}  // namespace penumbra

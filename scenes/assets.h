@@ -1,0 +1,31 @@
+// Assets by name: one table, scenes/assets.toml, says which file and which package brings it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace penumbra {
+
+struct Asset {
+  std::string name, kind;                    ///< kind: "mesh" or "environment"
+  std::string file, package, licence;
+};
+
+/// Folder that holds assets.toml, library/ and suites/: $PENUMBRA_DATA, or where the sources were built from.
+std::string data_folder();
+
+const std::vector<Asset>& assets();
+
+/// File of a named asset of a kind; empty if no asset has this name. Throws Error naming the package if the asset is
+/// known but its file is not there.
+std::string asset_file(const std::string& name, const std::string& kind);
+
+/// Names of all assets of a kind, separated by commas, for messages.
+std::string asset_names(const std::string& kind);
+
+/// A shipped name ("bunny-city") or a path, as a path: PATH itself if it exists or ends in .toml, else
+/// data_folder()/folder/NAME.toml. Throws Error listing the shipped names.
+std::string shipped_file(const std::string& name, const std::string& folder);
+std::vector<std::string> shipped_names(const std::string& folder);
+
+}  // namespace penumbra

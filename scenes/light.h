@@ -1,0 +1,31 @@
+// The one light of a scene: an environment, or a rectangular or disc-shaped area light.
+#pragma once
+
+#include <variant>
+
+#include "scenes/environment.h"
+
+namespace penumbra {
+
+/// Emits `radiance` (W m^-2 sr^-1) evenly to the side that its normal points to.
+struct AreaLight {
+  enum class Shape { rectangle, disc };
+  Shape shape = Shape::rectangle;
+  vec3 centre{0.0f};
+  vec3 edge_u{1, 0, 0}, edge_v{0, 0, 1};  ///< rectangle: full edges; disc: diameters
+  vec3 normal{0, -1, 0};                  ///< unit; rectangle: along edge_u x edge_v
+  vec3 radiance{1.0f};
+
+  double area() const;                    ///< m^2
+  vec3 point(float u, float v) const;     ///< equal areas of [0, 1]^2 are equal areas of the light (disc: Shirley 1997)
+};
+
+AreaLight make_rectangle(vec3 centre, vec3 edge_u, vec3 edge_v, vec3 radiance);
+AreaLight make_disc(vec3 centre, vec3 normal, float radius, vec3 radiance);
+
+using Light = std::variant<Environment, AreaLight>;
+
+inline const Environment* environment_of(const Light& light) { return std::get_if<Environment>(&light); }
+inline const AreaLight* area_light_of(const Light& light) { return std::get_if<AreaLight>(&light); }
+
+}  // namespace penumbra

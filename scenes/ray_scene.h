@@ -1,0 +1,57 @@
+// Rays against a mesh, through Embree. The only place that knows Embree's version.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "scenes/mesh.h"
+
+namespace penumbra {
+
+struct Hit {
+  float distance;      ///< along the (unit) direction; infinity if nothing was hit
+  unsigned triangle;   ///< index into the mesh's triangles
+  float u, v;          ///< barycentric weights of the triangle's second and third vertex
+  vec3 normal;         ///< geometric, not normalised, counter-clockwise side
+  explicit operator bool() const { return distance < std::numeric_limits<float>::infinity(); }
+};
+
+/// Acceleration structure over one mesh. Queries may come from any number of threads.
+class RayScene {
+ public:
+  static constexpr int packet = 16;
+
+  RayScene();
+  explicit RayScene(const Mesh& mesh) : RayScene() { build(mesh); }
+  ~RayScene();
+  RayScene(RayScene&&) noexcept;
+  RayScene& operator=(RayScene&&) noexcept;
+
+  /// (Re)builds for a mesh; an empty mesh blocks nothing.
+  void build(const Mesh& mesh);
+
+  Hit intersect(vec3 origin, vec3 direction, float near = 0.0f) const;
+  /// Is anything between origin and origin + far * direction?
+  bool occluded(vec3 origin, vec3 direction, float far) const;
+  /// The same for up to 16 rays at once; bit i of the result belongs to ray i. Fast when the rays are alike.
+  unsigned occluded(int count, const vec3* origins, const vec3* directions, const float* far) const;
+  /// From one origin, unbounded.
+  unsigned occluded(int count, vec3 origin, const vec3* directions) const;
+
+  /// Where rays of a surface point start: lifted along its normal by 1e-4 of the mesh's diagonal. Every ray-traced
+  /// technique and rung uses it, so that none sees a contact that another does not.
+  vec3 lift(vec3 position, vec3 normal) const { return position + lift_ * normal; }
+
+  std::size_t bytes() const;  ///< memory held by Embree for this scene
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  float lift_ = 0.0f;
+};
+
+/// Is the point inside the closed mesh? Majority of the parities of three axis-aligned rays, so that a small hole or a
+/// wrongly oriented triangle does not decide.
+bool inside(const RayScene& scene, vec3 point);
+
+}  // namespace penumbra

@@ -1,0 +1,46 @@
+// The points that are shaded.
+#pragma once
+
+#include <variant>
+#include <vector>
+
+#include "scenes/mesh.h"
+
+namespace penumbra {
+
+class RayScene;
+
+/// width x height points in row order. A zero normal marks a pixel that shows nothing: its radiance is 0.
+struct Receivers {
+  int width = 0, height = 0;
+  std::vector<vec3> position, normal, albedo;
+  std::vector<float> view_depth;           ///< distance to the camera, m; infinity where nothing is seen; camera only
+  std::vector<std::uint8_t> on_occluder;   ///< 1 where the point lies on the mesh: its own spheres are skipped there
+
+  int size() const { return width * height; }
+  bool valid(int i) const { return normal[i] != vec3(0.0f); }
+};
+
+struct PlaneGrid {
+  float half_extent = 1.0f;
+  int resolution = 128;
+  float y = 0.0f;
+};
+struct MeshVertices {};
+struct Camera {
+  vec3 eye{0, 1, 3}, target{0.0f};
+  float vertical_fov = 45.0f;  ///< degrees
+  int width = 512, height = 512;
+  bool has_ground = true;
+  float ground = 0.0f;  ///< height of a horizontal plane that receives; nothing below it is seen
+};
+
+struct ReceiverSpec {
+  std::variant<PlaneGrid, MeshVertices, Camera> kind;
+  vec3 albedo{1.0f};
+};
+
+/// Positions receivers; camera pixels are found by Embree primary rays through pixel centres.
+Receivers make_receivers(const ReceiverSpec& spec, const Mesh& mesh);
+
+}  // namespace penumbra

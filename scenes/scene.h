@@ -1,0 +1,63 @@
+// What is lit, and what of it moves.
+#pragma once
+
+#include <string>
+
+#include "scenes/light.h"
+#include "scenes/receivers.h"
+#include "scenes/sphere_set.h"
+
+namespace penumbra {
+
+/// Periodic motion; phase = sin(2 pi frame / period) for shapes, frame / period for lights.
+struct Motion {
+  enum class Kind { none, twist, bend, rigid, rotate_light };
+  Kind kind = Kind::none;
+  float amount = 0.0f;   ///< radians: largest angle at the top (twist, bend), largest angle (rigid), per period (light)
+  float period = 16.0f;  ///< frames
+  int frames = 1;        ///< how many frames a run walks through
+};
+
+/// Rest state of everything. Techniques receive it once, in prepare().
+struct Scene {
+  std::string name;
+  Mesh mesh;
+  SphereSet spheres;
+  Receivers receivers;
+  Light light;
+  Motion motion;
+  ReceiverSpec receiver_spec;
+};
+
+/// What differs from the frame before.
+struct Changes {
+  bool mesh = false, spheres = false, receivers = false, light = false;
+};
+
+/// One moment. The references stay valid until the next frame is made.
+struct Frame {
+  double time;  ///< frame number
+  const Mesh& mesh;
+  const SphereSet& spheres;
+  const Light& light;
+  const Receivers& receivers;
+  Changes changed;
+};
+
+/// Walks a scene through its motion.
+class Animation {
+ public:
+  explicit Animation(const Scene& scene);
+  Frame frame(int index);
+  int frames() const { return scene_.motion.kind == Motion::Kind::none ? 1 : scene_.motion.frames; }
+
+ private:
+  const Scene& scene_;
+  Bounds rest_;
+  Mesh mesh_;
+  SphereSet spheres_;
+  Light light_;
+  Receivers receivers_;
+};
+
+}  // namespace penumbra

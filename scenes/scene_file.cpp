@@ -1,0 +1,223 @@
+#include "scenes/scene_file.h"
+
+#include <filesystem>
+#include <fmt/ranges.h>
+
+#include "scenes/assets.h"
+#include "scenes/shapes.h"
+#include "scenes/toml_reader.h"
+
+namespace penumbra {
+namespace {
+
+constexpr double huge = 1e6;
+constexpr double tiny = 1e-6;
+
+/// Asset name or path relative to the scene file; the key's place is put before whatever goes wrong.
+std::string resolve(const TomlReader& at, const std::string& key, const std::string& name, const std::string& kind,
+                    const char* built_in) {
+  try {
+    if (const std::string file = asset_file(name, kind); !file.empty()) return file;
+  } catch (const Error& e) {
+    throw Error("{}: key '{}': {}", at.where(key), at.name(key), e.what());
+  }
+  const auto path = std::filesystem::path(at.file()).parent_path() / name;
+  if (std::filesystem::exists(path)) return path.string();
+  at.fail(key, fmt::format("is '{}': no such asset or file; allowed are the names {} and {}, or a path relative to "
+                           "the scene file", name, asset_names(kind), built_in));
+}
+
+template <class Load>
+auto at_key(const TomlReader& at, const std::string& key, Load load) {
+  try {
+    return load();
+  } catch (const Error& e) {
+    throw Error("{}: key '{}': {}", at.where(key), at.name(key), e.what());
+  }
+}
+
+SphereSet read_spheres(TomlReader& at, const Mesh& mesh) {
+  const toml::node* node = at.node("spheres");
+  if (!node) return {};
+  if (node->is_integer()) {
+    const int count = *at.integer("spheres", 1, 4096);
+    if (mesh.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
+    return at_key(at, "spheres", [&] { return fit_spheres(mesh, count); });
+  }
+  if (node->is_string()) {
+    const auto path = std::filesystem::path(at.file()).parent_path() / *at.text("spheres");
+    return at_key(at, "spheres", [&] { return load_spheres(path.string()); });
+  }
+  const toml::array* list = node->as_array();
+  if (!list) at.fail("spheres", "must be a count, a file name or a list of [x, y, z, radius]");
+  SphereSet set;
+  for (const toml::node& item : *list) {
+    const toml::array* four = item.as_array();
+    double v[4];
+    bool good = four && four->size() == 4;
+    for (std::size_t k = 0; good && k < 4; ++k) {
+      good = four->get(k)->is_number();
+      if (good) v[k] = *four->get(k)->value<double>();
+      good = good && std::abs(v[k]) <= huge;
+    }
+    if (!good || v[3] < 0)
+      at.fail("spheres", fmt::format("[{}] must be four finite numbers [x, y, z, radius >= 0]", set.size()));
+    set.spheres.push_back({vec3(v[0], v[1], v[2]), float(v[3])});
+  }
+  return set;
+}
+
+void read_occluder(TomlReader at, Scene& scene) {
+  const std::string name = at.required("mesh", at.text("mesh"), "an asset name, a path or a shape");
+  if (!make_shape(name, scene.mesh)) {
+    const std::string file = resolve(at, "mesh", name, "mesh", shape_names);
+    scene.mesh = at_key(at, "mesh", [&] { return load_mesh(file); });
+  }
+  scene.spheres = read_spheres(at, scene.mesh);
+  if (auto fit = at.table("fit")) {
+    if (scene.mesh.empty()) at.fail("fit", "needs a mesh");
+    const double height = fit->number("height", tiny, huge).value_or(0.0);
+    const Similarity to_scene =
+        fit_to(bounds(scene.mesh), float(height), fit->boolean("on_ground").value_or(false));
+    for (vec3& p : scene.mesh.positions) p = to_scene(p);
+    scene.spheres = transformed(std::move(scene.spheres), to_scene);
+    fit->finish();
+  }
+  at.finish();
+}
+
+/// The one key of `kinds` that is there.
+std::string exactly_one(TomlReader& at, const std::vector<std::string>& kinds) {
+  std::vector<std::string> found;
+  for (const auto& kind : kinds)
+    if (at.has(kind)) found.push_back(kind);
+  if (found.size() != 1)
+    throw Error("{}: [{}] has {}; exactly one of {} is allowed", at.where(found.size() > 1 ? found[1] : ""),
+                at.name("").substr(0, at.name("").size() - 1),
+                found.empty() ? "no kind" : fmt::format("{}", fmt::join(found, " and ")), fmt::join(kinds, ", "));
+  return found[0];
+}
+
+ReceiverSpec read_receivers(TomlReader at) {
+  ReceiverSpec spec;
+  const std::string kind = exactly_one(at, {"plane", "vertices", "camera"});
+  if (kind == "plane") {
+    TomlReader in = *at.table("plane");
+    PlaneGrid plane;
+    plane.half_extent = float(in.required("half_extent", in.number("half_extent", tiny, huge), "metres"));
+    plane.resolution = in.required("resolution", in.integer("resolution", 1, 4096), "receivers along an edge");
+    plane.y = float(in.number("y", -huge, huge).value_or(0.0));
+    in.finish();
+    spec.kind = plane;
+  } else if (kind == "camera") {
+    TomlReader in = *at.table("camera");
+    Camera camera;
+    camera.eye = in.required("eye", in.vector("eye"), "[x, y, z]");
+    camera.target = in.required("target", in.vector("target"), "[x, y, z]");
+    if (camera.eye == camera.target) in.fail("target", "is the eye itself");
+    camera.vertical_fov = float(in.number("vertical_fov", 1.0, 170.0).value_or(45.0));
+    camera.width = in.required("width", in.integer("width", 1, 8192), "pixels");
+    camera.height = in.required("height", in.integer("height", 1, 8192), "pixels");
+    const toml::node* ground = in.node("ground");
+    if (ground && ground->is_boolean()) camera.has_ground = *in.boolean("ground");
+    else camera.ground = float(in.number("ground", -huge, huge).value_or(0.0));
+    in.finish();
+    spec.kind = camera;
+  } else {
+    if (!*at.boolean("vertices")) at.fail("vertices", "must be true, or absent");
+    spec.kind = MeshVertices{};
+  }
+  if (const auto albedo = at.vector("albedo")) {
+    if (glm::any(glm::lessThan(*albedo, vec3(0.0f))) || glm::any(glm::greaterThan(*albedo, vec3(1.0f))))
+      at.fail("albedo", "must lie in [0, 1]");
+    spec.albedo = *albedo;
+  }
+  at.finish();
+  return spec;
+}
+
+Layout read_layout(TomlReader& at) {
+  const auto mapping = at.text("mapping");
+  if (!mapping) return Layout::automatic;
+  const std::pair<const char*, Layout> names[] = {{"lat-long", Layout::lat_long}, {"cross", Layout::vertical_cross},
+                                                  {"strip", Layout::horizontal_strip}, {"angular", Layout::angular}};
+  for (const auto& [name, layout] : names)
+    if (*mapping == name) return layout;
+  at.fail("mapping", "is '" + *mapping + "'; allowed are lat-long, cross, strip, angular");
+}
+
+AreaLight read_area_light(TomlReader at) {
+  const vec3 centre = at.required("centre", at.vector("centre"), "[x, y, z]");
+  const auto radiance = at.vector("radiance").value_or(vec3(1.0f));
+  if (glm::any(glm::lessThan(radiance, vec3(0.0f)))) at.fail("radiance", "must not be negative");
+  AreaLight light;
+  if (at.has("radius")) {
+    const double radius = *at.number("radius", 0.0, huge);
+    const vec3 normal = at.required("normal", at.vector("normal"), "the side it shines to");
+    if (normal == vec3(0.0f)) at.fail("normal", "must not be zero");
+    light = make_disc(centre, normal, float(radius), radiance);
+  } else {
+    const vec3 u = at.required("edge_u", at.vector("edge_u"), "a rectangle's edge (a disc has normal and radius)");
+    const vec3 v = at.required("edge_v", at.vector("edge_v"), "a rectangle's edge");
+    light = make_rectangle(centre, u, v, radiance);
+  }
+  at.finish();
+  return light;
+}
+
+Light read_light(TomlReader at) {
+  const std::string kind = exactly_one(at, {"environment", "area"});
+  if (kind == "area") {
+    AreaLight light = read_area_light(*at.table("area"));
+    at.finish();
+    return light;
+  }
+  const std::string name = *at.text("environment");
+  const Layout layout = read_layout(at);
+  Environment environment;
+  if (!make_environment(name, environment)) {
+    const std::string file = resolve(at, "environment", name, "environment", environment_names);
+    environment = at_key(at, "environment", [&] { return load_environment(file, layout); });
+  }
+  environment.rotation = at.number("rotation", -100.0, 100.0).value_or(0.0);
+  at.finish();
+  return environment;
+}
+
+Motion read_motion(TomlReader at) {
+  const std::pair<const char*, Motion::Kind> names[] = {{"twist", Motion::Kind::twist},
+                                                        {"bend", Motion::Kind::bend},
+                                                        {"rigid", Motion::Kind::rigid},
+                                                        {"rotate-light", Motion::Kind::rotate_light}};
+  Motion motion;
+  const std::string kind = at.required("kind", at.text("kind"), "twist, bend, rigid or rotate-light");
+  for (const auto& [name, value] : names)
+    if (kind == name) motion.kind = value;
+  if (motion.kind == Motion::Kind::none)
+    at.fail("kind", "is '" + kind + "'; allowed are twist, bend, rigid, rotate-light");
+  motion.amount = float(at.number("amount", -100.0, 100.0).value_or(1.0));
+  motion.period = float(at.number("period", 1.0, huge).value_or(16.0));
+  motion.frames = at.integer("frames", 1, 100000).value_or(16);
+  at.finish();
+  return motion;
+}
+
+}  // namespace
+
+Scene load_scene(const std::string& name_or_path) {
+  TomlReader file = TomlReader::open(shipped_file(name_or_path, "library"));
+  Scene scene;
+  scene.name = file.required("name", file.text("name"), "a name for tables");
+  const auto section = [&](const char* key) { return file.required(key, file.table(key), "a table"); };
+  read_occluder(section("occluder"), scene);
+  scene.receiver_spec = read_receivers(section("receivers"));
+  scene.light = read_light(section("light"));
+  if (auto motion = file.table("motion")) scene.motion = read_motion(*motion);
+  file.finish();
+  if (std::holds_alternative<MeshVertices>(scene.receiver_spec.kind) && scene.mesh.empty())
+    file.fail("receivers", "asks for vertices, but the occluder has no mesh");
+  scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
+  return scene;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,17 @@
+// One line per technique.
+#include "cuda/register_cuda.h"
+#include "techniques/pixel_basis/pixel_basis.h"
+#include "techniques/ray_traced/ray_traced.h"
+#include "techniques/registry.h"
+
+namespace penumbra {
+
+Registry make_registry() {
+  Registry registry;
+  register_ray_traced(registry);
+  register_pixel_basis(registry);
+  register_cuda(registry);
+  return registry;
+}
+
+}  // namespace penumbra

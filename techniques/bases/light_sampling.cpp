@@ -1,0 +1,177 @@
+#include "techniques/bases/light_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scenes/ray_scene.h"
+#include "techniques/bases/random.h"
+
+namespace penumbra {
+namespace {
+
+/// Interleaves the bits of x and y: neighbours on the curve are neighbours on the sphere.
+std::uint32_t morton(std::uint32_t x, std::uint32_t y) {
+  std::uint32_t code = 0;
+  for (int bit = 0; bit < 16; ++bit) code |= ((x >> bit & 1u) << (2 * bit)) | ((y >> bit & 1u) << (2 * bit + 1));
+  return code;
+}
+
+}  // namespace
+
+EnvironmentSampler::EnvironmentSampler(const Environment& environment) : environment_(&environment) {
+  const bool lat_long = environment.mapping == Mapping::lat_long;
+  const int faces = lat_long ? 1 : 6, w = environment.width, h = environment.height / faces;
+  const int edge = std::max(1, w / (lat_long ? 64 : 16));  // cells of about 5.6 degrees
+  const int columns = (w + edge - 1) / edge, rows = (h + edge - 1) / edge;
+  std::vector<std::pair<std::uint32_t, glm::ivec2>> order;
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) order.emplace_back(morton(std::uint32_t(x), std::uint32_t(y)), glm::ivec2(x, y));
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (int face = 0; face < faces; ++face)
+    for (const auto& [code, at] : order)
+      add_cell(at.x * edge, std::min(w, (at.x + 1) * edge), face * h + at.y * edge,
+               face * h + std::min(h, (at.y + 1) * edge));
+}
+
+void EnvironmentSampler::add_cell(int x0, int x1, int y0, int y1) {
+  const Environment& e = *environment_;
+  const Cell cell{int(texels_.size()), (x1 - x0) * (y1 - y0)};
+  dvec3 axis(0.0);
+  double sum = 0.0;
+  for (int y = y0; y < y1; ++y)
+    for (int i = 0; i < x1 - x0; ++i) {
+      const int texel = y * e.width + (y & 1 ? x1 - 1 - i : x0 + i);  // back and forth
+      texels_.push_back(texel);
+      sum += double(luminance(e.radiance[texel])) * e.solid_angle(texel);
+      cumulative_.push_back(sum);
+      axis += dvec3(e.direction(texel, 0.5f, 0.5f));
+    }
+  if (sum <= 0.0) {  // black: never chosen
+    texels_.resize(cell.first);
+    cumulative_.resize(cell.first);
+    return;
+  }
+  const vec3 unit(glm::normalize(axis));
+  float cosine = 1.0f;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      if (x != x0 && x != x1 - 1 && y != y0 && y != y1 - 1) continue;  // the rim bounds the cell
+      for (int corner = 0; corner < 4; ++corner)
+        cosine = std::min(cosine, glm::dot(unit, e.direction(y * e.width + x, float(corner & 1), float(corner >> 1))));
+    }
+  cosine = std::max(-1.0f, cosine - 1e-6f);
+  cells_.push_back(cell);
+  axis_x_.push_back(unit.x), axis_y_.push_back(unit.y), axis_z_.push_back(unit.z);
+  cos_radius_.push_back(cosine), sin_radius_.push_back(std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)));
+  energy_.push_back(float(sum));
+}
+
+void EnvironmentSampler::make_product(vec3 normal, Product& product) const {
+  product.normal = normal;
+  product.cumulative.resize(cells_.size());
+  double sum = 0.0;
+  for (std::size_t k = 0; k < cells_.size(); ++k) {  // the largest cosine within the cell's cone
+    const float c = normal.x * axis_x_[k] + normal.y * axis_y_[k] + normal.z * axis_z_[k];
+    const float s = std::sqrt(std::max(0.0f, 1.0f - c * c));
+    const float nearest = c >= cos_radius_[k] ? 1.0f : c * cos_radius_[k] + s * sin_radius_[k];
+    sum += double(energy_[k] * std::max(0.0f, nearest));
+    product.cumulative[k] = sum;
+  }
+}
+
+LightSample EnvironmentSampler::sample(const Product& product, double u, float v, float w) const {
+  LightSample sample{{0, 1, 0}, std::numeric_limits<float>::infinity(), vec3(0.0f)};
+  const double total = product.total();
+  if (!(total > 0.0)) return sample;
+  const auto& sums = product.cumulative;
+  const double target = std::min(u * total, std::nextafter(total, 0.0));
+  const auto k = std::size_t(std::upper_bound(sums.begin(), sums.end(), target) - sums.begin());
+  const double before = k ? sums[k - 1] : 0.0, cell_weight = sums[k] - before;
+
+  const Cell& cell = cells_[k];
+  const auto first = cumulative_.begin() + cell.first, last = first + cell.count;
+  const double cell_energy = *(last - 1);
+  const double inside = std::min((target - before) / cell_weight * cell_energy, std::nextafter(cell_energy, 0.0));
+  const auto at = std::upper_bound(first, last, inside);
+  const double texel_energy = *at - (at == first ? 0.0 : *(at - 1));
+  const int texel = texels_[std::size_t(at - cumulative_.begin())];
+
+  float density;  // per sr within the texel
+  sample.direction = environment_->direction(texel, v, w, &density);
+  const double pdf = cell_weight / total * (texel_energy / cell_energy) * double(density);
+  const float cosine = std::max(0.0f, glm::dot(product.normal, sample.direction));
+  sample.weight = environment_->radiance[texel] * float(double(cosine) / (pi * pdf));
+  return sample;
+}
+
+std::size_t EnvironmentSampler::bytes() const {
+  return cells_.size() * (sizeof(Cell) + 6 * sizeof(float)) + texels_.size() * (sizeof(int) + sizeof(double));
+}
+
+LightSample sample_area(const AreaLight& light, vec3 position, vec3 normal, float u, float v) {
+  const vec3 to_light = light.point(u, v) - position;
+  const float distance2 = glm::dot(to_light, to_light);
+  if (distance2 == 0.0f) return {normal, 0.0f, vec3(0.0f)};
+  const float distance = std::sqrt(distance2);
+  const vec3 direction = to_light / distance;
+  const float receiver_cosine = std::max(0.0f, glm::dot(normal, direction));
+  const float light_cosine = std::max(0.0f, -glm::dot(light.normal, direction));
+  const double geometry = light.area() * double(receiver_cosine * light_cosine) / (pi * double(distance2));
+  return {direction, distance, light.radiance * float(geometry)};
+}
+
+LightSampler::LightSampler(const Light& light) : area_(area_light_of(light)) {
+  if (const Environment* environment = environment_of(light)) environment_ = EnvironmentSampler(*environment);
+}
+
+void LightSampler::draw(vec3 position, vec3 normal, int k, std::uint64_t stream, Scratch& scratch) const {
+  scratch.samples.resize(std::size_t(k));
+  if (!area_) {
+    if (scratch.product.cumulative.empty() || scratch.product.normal != normal)
+      environment_.make_product(normal, scratch.product);
+    for (int i = 0; i < k; ++i) {
+      const RandomTriple r = random_triple(stream, std::uint32_t(i));
+      scratch.samples[i] = environment_.sample(scratch.product, (double(i) + double(r.x)) / k, r.y, r.z);
+    }
+    return;
+  }
+  const RandomTriple shift = random_triple(stream, ~0u);
+  for (int i = 0; i < k; ++i) {
+    std::uint32_t reversed = 0;  // radical inverse in base 2
+    for (std::uint32_t bits = std::uint32_t(i), b = 0; b < 32; ++b) reversed |= (bits >> b & 1u) << (31 - b);
+    const float u = (float(i) + 0.5f) / float(k) + shift.x, v = float(reversed >> 8) * 0x1p-24f + shift.y;
+    scratch.samples[i] = sample_area(*area_, position, normal, u - std::floor(u), v - std::floor(v));
+  }
+}
+
+vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples,
+                       bool packets) {
+  const vec3 origin = rays.lift(position, normal);
+  dvec3 sum(0.0);
+  const auto reach = [](const LightSample& s) { return s.distance * (1.0f - 1e-4f); };
+  if (!packets) {
+    for (const LightSample& s : samples)
+      if (s.weight != vec3(0.0f) && !rays.occluded(origin, s.direction, reach(s))) sum += dvec3(s.weight);
+    return vec3(sum / double(samples.size()));
+  }
+  vec3 origins[RayScene::packet], directions[RayScene::packet], weights[RayScene::packet];
+  float far[RayScene::packet];
+  int waiting = 0;
+  const auto flush = [&] {
+    const unsigned hits = waiting ? rays.occluded(waiting, origins, directions, far) : 0u;
+    for (int i = 0; i < waiting; ++i)
+      if (!(hits >> i & 1u)) sum += dvec3(weights[i]);
+    waiting = 0;
+  };
+  std::fill(origins, origins + RayScene::packet, origin);
+  for (const LightSample& s : samples) {
+    if (s.weight == vec3(0.0f)) continue;
+    directions[waiting] = s.direction, weights[waiting] = s.weight, far[waiting] = reach(s);
+    if (++waiting == RayScene::packet) flush();
+  }
+  flush();
+  return vec3(sum / double(samples.size()));
+}
+
+}  // namespace penumbra

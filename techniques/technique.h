@@ -1,0 +1,48 @@
+// The interface behind which every technique sits: one algorithm on one backend with fixed parameters.
+#pragma once
+
+#include <string>
+
+#include "scenes/scene.h"
+
+namespace penumbra {
+
+/// Row-major, row 0 first; not owned.
+template <class T>
+struct View {
+  T* data;
+  int width, height;
+  T& operator[](std::size_t i) const { return data[i]; }
+  std::size_t size() const { return std::size_t(width) * height; }
+};
+
+/// Bytes that a technique holds.
+struct Footprint {
+  std::size_t tables = 0;     ///< the same for every scene
+  std::size_t per_scene = 0;  ///< grows with mesh, light or receivers; stays over frames
+  std::size_t per_frame = 0;  ///< rewritten by update()
+  std::size_t total() const { return tables + per_scene + per_frame; }
+};
+
+class Technique {
+ public:
+  virtual ~Technique() = default;
+
+  /// Once per scene, offline: builds tables and takes in the scene at rest. May be slow; timed apart.
+  /// Throws Unsupported where the technique makes no sense on the scene. The scene outlives the technique.
+  virtual void prepare(const Scene& scene) = 0;
+
+  /// Per frame: all that depends on the frame and is shared by receivers. Only what `frame.changed` names differs from
+  /// the frame (or scene) before. The frame stays valid until the next update().
+  virtual void update(const Frame& frame) = 0;
+
+  /// Per frame: outgoing radiance of every receiver, linear RGB, W m^-2 sr^-1, receivers in row order.
+  virtual void shade(View<vec3> radiance) = 0;
+
+  virtual Footprint footprint() const = 0;
+
+  /// Instruction set that the inner loops run on, e.g. "AVX3"; empty for plain code.
+  virtual std::string instruction_set() const { return ""; }
+};
+
+}  // namespace penumbra
