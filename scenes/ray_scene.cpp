@@ -6,6 +6,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -29,7 +30,7 @@ void occluded1(RTCScene scene, RTCRay* ray) {
 void occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, rays, &arguments);
 }
 #else
@@ -46,7 +47,7 @@ void occluded1(RTCScene scene, RTCRay* ray) {
 void occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &context, rays);
 }
 #endif
@@ -94,7 +95,10 @@ void RayScene::build(const Mesh& mesh) {
   if (impl_->scene) rtcReleaseScene(impl_->scene);
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);  // no light through the edges between triangles
-  lift_ = 1e-4f * glm::length(bounds(mesh).extent());
+  box_ = bounds(mesh);
+  lift_ = 1e-4f * glm::length(box_.extent());
+  box_.low -= 0.1f * lift_;  // room for rounding
+  box_.high += 0.1f * lift_;
   if (!mesh.empty()) {
     RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* positions = static_cast<vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
@@ -130,28 +134,45 @@ bool RayScene::occluded(vec3 origin, vec3 direction, float far) const {
   return ray.tfar < 0.0f;
 }
 
-unsigned RayScene::occluded(int count, const vec3* origins, const vec3* directions, const float* far) const {
-  alignas(64) int valid[packet];
-  alignas(64) RTCRay16 rays;
-  for (int i = 0; i < packet; ++i) {
-    valid[i] = i < count ? -1 : 0;
-    const int k = i < count ? i : 0;
-    rays.org_x[i] = origins[k].x, rays.org_y[i] = origins[k].y, rays.org_z[i] = origins[k].z;
-    rays.dir_x[i] = directions[k].x, rays.dir_y[i] = directions[k].y, rays.dir_z[i] = directions[k].z;
-    rays.tnear[i] = 0.0f, rays.tfar[i] = far[k];
-    rays.time[i] = 0.0f, rays.mask[i] = ~0u, rays.id[i] = 0, rays.flags[i] = 0;
+unsigned RayScene::meets_box(const RayPacket& packet, int count) const {
+  constexpr int size = RayPacket::size;
+  float enter[size], leave[size];
+  for (int i = 0; i < size; ++i) enter[i] = 0.0f, leave[i] = packet.far[i];
+  for (int c = 0; c < 3; ++c) {
+    const float low = box_.low[c], high = box_.high[c];
+    for (int i = 0; i < size; ++i) {
+      const float inverse = 1.0f / packet.direction[c][i];
+      const float a = (low - packet.origin[c][i]) * inverse, b = (high - packet.origin[c][i]) * inverse;
+      const float first = a < b ? a : b, second = a < b ? b : a;
+      enter[i] = first > enter[i] ? first : enter[i];
+      leave[i] = second < leave[i] ? second : leave[i];
+    }
   }
+  unsigned bits = 0;
+  for (int i = 0; i < size; ++i) bits |= (enter[i] > leave[i] ? 0u : 1u) << i;  // NaN counts as meeting
+  return bits & ((1u << count) - 1u);
+}
+
+unsigned RayScene::occluded(const RayPacket& packet, int count) const {
+  alignas(64) int valid[RayPacket::size];
+  alignas(64) RTCRay16 rays;
+  float* origin[3] = {rays.org_x, rays.org_y, rays.org_z};
+  float* direction[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
+  for (int c = 0; c < 3; ++c) {
+    std::copy_n(packet.origin[c], RayPacket::size, origin[c]);
+    std::copy_n(packet.direction[c], RayPacket::size, direction[c]);
+  }
+  std::copy_n(packet.far, RayPacket::size, rays.tfar);
+  std::fill_n(rays.tnear, RayPacket::size, 0.0f);
+  std::fill_n(rays.time, RayPacket::size, 0.0f);
+  std::fill_n(rays.mask, RayPacket::size, ~0u);
+  std::fill_n(rays.id, RayPacket::size, 0u);
+  std::fill_n(rays.flags, RayPacket::size, 0u);
+  for (int i = 0; i < RayPacket::size; ++i) valid[i] = i < count ? -1 : 0;
   occluded16(valid, impl_->scene, &rays);
   unsigned bits = 0;
   for (int i = 0; i < count; ++i) bits |= (rays.tfar[i] < 0.0f ? 1u : 0u) << i;
   return bits;
-}
-
-unsigned RayScene::occluded(int count, vec3 origin, const vec3* directions) const {
-  vec3 origins[packet];
-  float far[packet];
-  for (int i = 0; i < count; ++i) origins[i] = origin, far[i] = infinity;
-  return occluded(count, origins, directions, far);
 }
 
 std::size_t RayScene::bytes() const { return std::size_t(std::max<ssize_t>(0, impl_->bytes)); }

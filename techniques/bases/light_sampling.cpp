@@ -145,32 +145,11 @@ void LightSampler::draw(vec3 position, vec3 normal, int k, std::uint64_t stream,
   }
 }
 
-vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples,
-                       bool packets) {
+vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples) {
   const vec3 origin = rays.lift(position, normal);
   dvec3 sum(0.0);
-  const auto reach = [](const LightSample& s) { return s.distance * (1.0f - 1e-4f); };
-  if (!packets) {
-    for (const LightSample& s : samples)
-      if (s.weight != vec3(0.0f) && !rays.occluded(origin, s.direction, reach(s))) sum += dvec3(s.weight);
-    return vec3(sum / double(samples.size()));
-  }
-  vec3 origins[RayScene::packet], directions[RayScene::packet], weights[RayScene::packet];
-  float far[RayScene::packet];
-  int waiting = 0;
-  const auto flush = [&] {
-    const unsigned hits = waiting ? rays.occluded(waiting, origins, directions, far) : 0u;
-    for (int i = 0; i < waiting; ++i)
-      if (!(hits >> i & 1u)) sum += dvec3(weights[i]);
-    waiting = 0;
-  };
-  std::fill(origins, origins + RayScene::packet, origin);
-  for (const LightSample& s : samples) {
-    if (s.weight == vec3(0.0f)) continue;
-    directions[waiting] = s.direction, weights[waiting] = s.weight, far[waiting] = reach(s);
-    if (++waiting == RayScene::packet) flush();
-  }
-  flush();
+  for (const LightSample& s : samples)
+    if (s.weight != vec3(0.0f) && !rays.occluded(origin, s.direction, s.reach())) sum += dvec3(s.weight);
   return vec3(sum / double(samples.size()));
 }
 

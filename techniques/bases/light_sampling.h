@@ -19,6 +19,7 @@ struct LightSample {
   vec3 direction;   ///< unit, from receiver to light
   float distance;   ///< to the light; infinity for environments
   vec3 weight;
+  float reach() const { return distance * (1.0f - 1e-4f); }  ///< where a shadow ray ends
 };
 
 class EnvironmentSampler {
@@ -78,10 +79,9 @@ class LightSampler {
 
 class RayScene;
 
-/// Mean of weight * V over the samples: reflected radiance at albedo 1. Light that arrives from below the horizon
-/// costs no ray. `packets` traces 16 rays at a time; the samples of one receiver are ordered so that they are alike.
-vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples,
-                       bool packets);
+/// Mean of weight * V over the samples of a receiver: reflected radiance at albedo 1, one ray after the other. Light that
+/// arrives from below the horizon costs no ray.
+vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples);
 
 /// Light from the point (u, v) in [0, 1]^2 of an area light; weight 0 from behind either surface.
 LightSample sample_area(const AreaLight& light, vec3 position, vec3 normal, float u, float v);

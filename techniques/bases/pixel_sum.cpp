@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "techniques/bases/ray_packets.h"
+
 namespace penumbra {
 
 CubeLight::CubeLight(CubeMap<vec3> cube) : n(cube.n), radiance(std::move(cube.texels)) {
@@ -25,25 +27,16 @@ vec3 pixel_sum(const CubeLight& light, const BitCube& blocked, vec3 normal, vec3
 void trace_texels(const RayScene& rays, vec3 position, vec3 normal, const std::vector<vec3>& directions, bool packets,
                   BitCube& blocked) {
   const vec3 origin = rays.lift(position, normal);
-  int texels[RayScene::packet], waiting = 0;
-  vec3 packet[RayScene::packet];
-  const auto flush = [&] {
-    const unsigned hits = waiting ? rays.occluded(waiting, origin, packet) : 0u;
-    for (int i = 0; i < waiting; ++i)
-      if (hits >> i & 1u) blocked.set(texels[i]);
-    waiting = 0;
-  };
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  auto queue = make_ray_queue<int>(rays, [&](int texel, bool hit) {
+    if (hit) blocked.set(texel);
+  });
   for (int t = 0; t < int(directions.size()); ++t) {
     if (glm::dot(normal, directions[t]) <= 0.0f) continue;
-    if (!packets) {
-      if (rays.occluded(origin, directions[t], std::numeric_limits<float>::infinity())) blocked.set(t);
-      continue;
-    }
-    texels[waiting] = t;
-    packet[waiting] = directions[t];
-    if (++waiting == RayScene::packet) flush();
+    if (packets) queue.push(t, origin, directions[t], infinity);
+    else if (rays.occluded(origin, directions[t], infinity)) blocked.set(t);
   }
-  flush();
+  queue.flush();
 }
 
 }  // namespace penumbra

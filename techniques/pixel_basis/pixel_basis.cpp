@@ -7,10 +7,10 @@
 
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <optional>
 
 #include "scenes/error.h"
+#include "techniques/bases/distinct_normals.h"
 #include "techniques/pixel_basis/kernel.h"
 #include "techniques/registry.h"
 
@@ -103,7 +103,7 @@ class PixelBasisSimd final : public PixelBasis {
   void shade(View<vec3> radiance) override {
     const pixel_basis::Job job{receivers_, &sphere_lanes_, &light_lanes_, table_ ? &*table_ : nullptr,
                                visibility_ == Visibility::rays ? &rays_ : nullptr, &light_.directions, &weights_,
-                               &weight_of_};
+                               &normals_.index};
     tbb::parallel_for(tbb::blocked_range<int>(0, receivers_->size(), 64), [&](const tbb::blocked_range<int>& range) {
       pixel_basis::shade(job, range.begin(), range.end(), radiance.data);
     });
@@ -111,7 +111,7 @@ class PixelBasisSimd final : public PixelBasis {
 
   Footprint footprint() const override {
     Footprint bytes = PixelBasis::footprint();
-    bytes.per_scene += 6 * light_.directions.size() * sizeof(float) * (1 + weights_.size() / 2) + weight_of_.size();
+    bytes.per_scene += 6 * light_.directions.size() * sizeof(float) * (1 + weights_.size() / 2) + normals_.index.size();
     bytes.per_frame += sphere_lanes_.x.size() * 4 * sizeof(float);
     return bytes;
   }
@@ -119,29 +119,21 @@ class PixelBasisSimd final : public PixelBasis {
   std::string instruction_set() const override { return pixel_basis::target(); }
 
  private:
-  static constexpr std::size_t most_weights = 8;  // 72 KiB each: more would fall out of the cache
-
   void set_light(const Light& light) override {
     PixelBasis::set_light(light);
     light_lanes_.assign(light_);
   }
 
   void set_normals(const Receivers& receivers) {
-    std::vector<vec3> distinct;
-    weight_of_.assign(receivers.normal.size(), 0);
-    for (std::size_t i = 0; i < receivers.normal.size() && distinct.size() <= most_weights; ++i) {
-      auto at = std::find(distinct.begin(), distinct.end(), receivers.normal[i]);
-      if (at == distinct.end()) at = distinct.insert(at, receivers.normal[i]);
-      weight_of_[i] = std::uint8_t(at - distinct.begin());
-    }
-    weights_.resize(distinct.size() <= most_weights ? distinct.size() : 0);
-    for (std::size_t k = 0; k < weights_.size(); ++k) weights_[k].assign(light_lanes_, distinct[k]);
+    normals_ = DistinctNormals::of(receivers);
+    weights_.resize(normals_.normals.size());
+    for (std::size_t k = 0; k < weights_.size(); ++k) weights_[k].assign(light_lanes_, normals_.normals[k]);
   }
 
   pixel_basis::SphereLanes sphere_lanes_;
   pixel_basis::LightLanes light_lanes_;
   std::vector<pixel_basis::NormalWeights> weights_;
-  std::vector<std::uint8_t> weight_of_;
+  DistinctNormals normals_;
 };
 
 }  // namespace
