@@ -18,6 +18,11 @@ target_compile_options(penumbra_options INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     -Wnon-virtual-dtor -Woverloaded-virtual -Werror -ffp-contract=off>)
 
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # False positives of g++ 12 on std::string concatenation (gcc bug 105651).
+  target_compile_options(penumbra_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+endif()
+
 if(PENUMBRA_SANITIZERS)
   target_compile_options(penumbra_options INTERFACE
     -fsanitize=${PENUMBRA_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -49,6 +49,7 @@ class Animation {
  public:
   explicit Animation(const Scene& scene);
   Frame frame(int index);
+  const Scene& scene() const { return scene_; }
   int frames() const { return scene_.motion.kind == Motion::Kind::none ? 1 : scene_.motion.frames; }
 
  private:

@@ -36,11 +36,11 @@ auto at_key(const TomlReader& at, const std::string& key, Load load) {
   }
 }
 
-SphereSet read_spheres(TomlReader& at, const Mesh& mesh) {
+SphereSet read_spheres(TomlReader& at, const Mesh& mesh, std::optional<int> override) {
   const toml::node* node = at.node("spheres");
-  if (!node) return {};
-  if (node->is_integer()) {
-    const int count = *at.integer("spheres", 1, 4096);
+  if (!node && !override) return {};
+  if (override || node->is_integer()) {
+    const int count = override ? *override : *at.integer("spheres", 1, 4096);
     if (mesh.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
     return at_key(at, "spheres", [&] { return fit_spheres(mesh, count); });
   }
@@ -67,13 +67,13 @@ SphereSet read_spheres(TomlReader& at, const Mesh& mesh) {
   return set;
 }
 
-void read_occluder(TomlReader at, Scene& scene) {
+void read_occluder(TomlReader at, std::optional<int> spheres, Scene& scene) {
   const std::string name = at.required("mesh", at.text("mesh"), "an asset name, a path or a shape");
   if (!make_shape(name, scene.mesh)) {
     const std::string file = resolve(at, "mesh", name, "mesh", shape_names);
     scene.mesh = at_key(at, "mesh", [&] { return load_mesh(file); });
   }
-  scene.spheres = read_spheres(at, scene.mesh);
+  scene.spheres = read_spheres(at, scene.mesh, spheres);
   if (auto fit = at.table("fit")) {
     if (scene.mesh.empty()) at.fail("fit", "needs a mesh");
     const double height = fit->number("height", tiny, huge).value_or(0.0);
@@ -204,12 +204,12 @@ Motion read_motion(TomlReader at) {
 
 }  // namespace
 
-Scene load_scene(const std::string& name_or_path) {
+Scene load_scene(const std::string& name_or_path, std::optional<int> spheres) {
   TomlReader file = TomlReader::open(shipped_file(name_or_path, "library"));
   Scene scene;
   scene.name = file.required("name", file.text("name"), "a name for tables");
   const auto section = [&](const char* key) { return file.required(key, file.table(key), "a table"); };
-  read_occluder(section("occluder"), scene);
+  read_occluder(section("occluder"), spheres, scene);
   scene.receiver_spec = read_receivers(section("receivers"));
   scene.light = read_light(section("light"));
   if (auto motion = file.table("motion")) scene.motion = read_motion(*motion);

@@ -1,0 +1,32 @@
+// The smaller commands of the command line. All throw Error for wrong input.
+#pragma once
+
+#include <string>
+
+#include "techniques/parameters.h"
+
+namespace penumbra {
+
+void list(bool json);
+
+struct RenderOptions {
+  std::string scene, technique, backend = "simd", output;
+  Parameters parameters;
+};
+void render(const RenderOptions& options);
+
+struct ReferenceOptions {
+  std::string scene, rung = "truth", output;
+  double noise = 0.002;
+  int resolution = 32;
+  bool fresh = false;
+};
+void reference(const ReferenceOptions& options);
+
+struct FitOptions {
+  std::string mesh, output;
+  int spheres = 64;
+};
+void fit(const FitOptions& options);
+
+}  // namespace penumbra

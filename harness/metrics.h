@@ -1,0 +1,56 @@
+// Image errors. Every function has a hand-computed test; SSIM and FLIP are checked against independent implementations.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenes/image.h"
+
+namespace penumbra {
+
+/// Where a receiver lies, judged by the reference: reflected over unshadowed luminance.
+enum class Region : std::uint8_t { none, umbra, penumbra, lit };
+inline constexpr std::array<const char*, 3> region_names = {"umbra", "penumbra", "lit"};
+
+/// Under 2 % is umbra, over 98 % lit; none where nothing is seen or nothing would arrive unshadowed.
+std::vector<Region> classify(const std::vector<vec3>& reference, const std::vector<vec3>& unshadowed,
+                             const std::vector<bool>& valid);
+
+/// Errors over one set of receivers. Radiometric ones in linear radiance over all channels; ssim and flip on the tone-mapped
+/// image, absent where the image is too small for a window (vertex receivers).
+struct Errors {
+  std::size_t receivers = 0;
+  double rmse = 0.0;         ///< W m^-2 sr^-1
+  double rel_rmse = 0.0;     ///< rmse / RMS of the reference over all valid receivers
+  double psnr = 0.0;         ///< dB, peak = largest reference value of the image; infinity if equal
+  double max = 0.0;          ///< largest absolute error of a channel, W m^-2 sr^-1
+  double mean_signed = 0.0;  ///< mean of image - reference: > 0 leaks light, < 0 over-darkens; W m^-2 sr^-1
+  std::optional<double> ssim, flip;
+};
+
+struct ErrorReport {
+  Errors all;
+  std::array<Errors, 3> region;  ///< umbra, penumbra, lit
+};
+
+/// `exposure` brings radiance to the display range and is fixed per scene.
+ErrorReport compare_images(const Image& image, const Image& reference, const std::vector<Region>& regions,
+                           const std::vector<bool>& valid, double exposure);
+
+/// Exposure that maps the brightest percentile of a reference to 0.8 of white.
+double exposure_for(const Image& reference, const std::vector<bool>& valid);
+
+/// Grey display image in [0, 1]: sRGB-encoded, exposed and clipped luminance.
+std::vector<float> display_luminance(const Image& image, double exposure);
+
+/// Structural similarity per pixel (Wang et al. 2004): 11 x 11 Gaussian window, sigma 1.5, K1 = 0.01, K2 = 0.03, range 1.
+/// Pixels closer than 5 to the border have no full window and are NaN. Empty if the image is smaller than 11 x 11.
+std::vector<float> ssim_map(const std::vector<float>& a, const std::vector<float>& b, int width, int height);
+
+/// FLIP per pixel (Andersson et al. 2020, 67 pixels per degree) of HDR images at one fixed exposure factor with the ACES
+/// tone mapper of HDR-FLIP (Andersson et al. 2021).
+std::vector<float> flip_map(const Image& image, const Image& reference, double exposure);
+
+}  // namespace penumbra

@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <cmath>
+
+#include "harness/run.h"
+
+namespace penumbra {
+
+Scene thinned(const Scene& scene, int edge) {
+  const Receivers& all = scene.receivers;
+  const int most_x = all.height == 1 ? edge * edge : edge;
+  const int step_x = (all.width + most_x - 1) / most_x, step_y = (all.height + edge - 1) / edge;
+  Scene out = scene;
+  Receivers& r = out.receivers = {};
+  r.width = (all.width + step_x - 1) / step_x;
+  r.height = (all.height + step_y - 1) / step_y;
+  for (int y = 0; y < all.height; y += step_y)
+    for (int x = 0; x < all.width; x += step_x) {
+      const std::size_t i = std::size_t(y) * all.width + x;
+      r.position.push_back(all.position[i]);
+      r.normal.push_back(all.normal[i]);
+      r.albedo.push_back(all.albedo[i]);
+      r.on_occluder.push_back(all.on_occluder[i]);
+      if (!all.view_depth.empty()) r.view_depth.push_back(all.view_depth[i]);
+    }
+  return out;
+}
+
+namespace {
+
+std::vector<vec3> shaded(const Entry& entry, const Parameters& parameters, const Scene& scene) {
+  const auto technique = entry.make(parameters);
+  technique->prepare(scene);
+  Animation animation(scene);
+  const Frame frame = animation.frame(animation.frames() / 3);
+  // Moving receivers are made anew in full; at rest they stay thin.
+  if (!frame.changed.receivers) technique->update(frame);
+  std::vector<vec3> image(std::size_t(scene.receivers.size()));
+  technique->shade({image.data(), scene.receivers.width, scene.receivers.height});
+  return image;
+}
+
+}  // namespace
+
+double parity_with_scalar(const Registry& registry, const Entry& entry, const Parameters& parameters,
+                          const Scene& scene) {
+  if (entry.backend == "scalar") return 0.0;
+  const auto twin = std::find_if(registry.entries().begin(), registry.entries().end(), [&](const Entry& other) {
+    return other.name == entry.name && other.backend == "scalar";
+  });
+  if (twin == registry.entries().end()) return 0.0;
+  const Scene thin = thinned(scene, 32);
+  const auto ours = shaded(entry, parameters, thin), theirs = shaded(*twin, parameters, thin);
+  double squared = 0.0, energy = 0.0;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    const dvec3 a(ours[i]), b(theirs[i]);
+    squared += glm::dot(a - b, a - b);
+    energy += glm::dot(b, b);
+  }
+  return energy > 0.0 ? std::sqrt(squared / energy) : std::sqrt(squared);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,59 @@
+// The reference ladder: truth -> cube -> spheres (docs/references.md). Every error is attributed by climbing it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "scenes/image.h"
+#include "scenes/scene.h"
+
+namespace penumbra {
+
+/// truth:   the mesh and the light at full resolution; area lights sampled densely
+/// r13x13:  area lights only: 13 x 13 cell centres, as published (Yang et al. 2019)
+/// cube:    environments only: the mesh, light and visibility at 6 x n x n texels, one ray per texel centre
+/// spheres: environments only: the sphere set instead of the mesh, same texels, exact cap test
+enum class Rung { truth, r13x13, cube, spheres };
+std::string to_string(Rung rung);
+/// Throws Error listing the names.
+Rung parse_rung(const std::string& name);
+
+struct ReferenceSettings {
+  int resolution = 32;         ///< n of cube and spheres
+  double truth_noise = 0.002;  ///< truth samples until its standard error is below this share of its RMS
+  int most_rays = 1 << 16;     ///< per receiver, even if the noise is not reached
+};
+
+/// Mean radiance and its variance per receiver (0 for deterministic rungs), and what would arrive without occluder.
+struct Reference {
+  Rung rung = Rung::truth;
+  Image mean, variance, unshadowed;
+  int rays_per_receiver = 0;
+  double seconds = 0.0;      ///< time it took to compute (not to load)
+  bool from_cache = false;
+  /// Standard error of the whole image: RMS over valid receivers and channels, W m^-2 sr^-1.
+  double noise(const std::vector<bool>& valid) const;
+};
+
+std::vector<bool> valid_receivers(const Receivers& receivers);
+
+/// Why a rung does not apply to a frame; empty if it does.
+std::string inapplicable(const Frame& frame, Rung rung);
+
+/// Computes a rung. Throws Unsupported where it does not apply. Deterministic for any number of threads.
+Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings);
+
+/// Visibility of the 13 x 13 cell centres of an area light: values k / 169.
+float visibility_13x13(const Frame& frame, int receiver);
+
+/// SHA-1 over everything a rung depends on.
+std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings& settings);
+
+/// From the cache folder if it holds a whole file with the right key; computed and stored otherwise. Cache files that are
+/// truncated, damaged or of another key are rebuilt with a warning. An unwritable cache is a warning, not an error.
+Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings);
+
+/// $PENUMBRA_CACHE, else $XDG_CACHE_HOME/penumbra, else ~/.cache/penumbra.
+std::string cache_folder();
+
+}  // namespace penumbra

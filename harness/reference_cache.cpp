@@ -1,0 +1,142 @@
+// References on disk: EXR files named by the hash of what they depend on, with a checksum of their pixels inside.
+#include <OpenImageIO/hash.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "harness/reference.h"
+#include "scenes/error.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int format_version = 3;  // raise when a rung's algorithm changes: old files are then never looked at
+
+class Hash {
+ public:
+  template <class T>
+  void add(const std::vector<T>& values) {
+    const std::uint64_t size = values.size();
+    add_value(size);
+    sha_.append(values.data(), values.size() * sizeof(T));
+  }
+  template <class T>
+  void add_value(const T& value) {
+    static_assert(std::is_arithmetic_v<T>);
+    sha_.append(&value, sizeof value);
+  }
+  void add_vec(vec3 v) {
+    for (int c = 0; c < 3; ++c) add_value(v[c]);
+  }
+  std::string digest() { return sha_.digest(); }
+
+ private:
+  OIIO::SHA1 sha_;
+};
+
+void add_light(Hash& hash, const Light& light) {
+  if (const Environment* e = environment_of(light)) {
+    hash.add_value(int(e->mapping));
+    hash.add_value(e->width);
+    hash.add_value(e->rotation);
+    hash.add(e->radiance);
+  }
+  if (const AreaLight* a = area_light_of(light)) {
+    hash.add_value(int(a->shape));
+    for (const vec3 v : {a->centre, a->edge_u, a->edge_v, a->normal, a->radiance}) hash.add_vec(v);
+  }
+}
+
+std::string checksum(const std::vector<float>& values) {
+  return OIIO::SHA1::digest(values.data(), values.size() * sizeof(float));
+}
+
+const std::vector<std::string> channels = {"R",          "G",          "B",           "variance.R",   "variance.G",
+                                           "variance.B", "unshadowed.R", "unshadowed.G", "unshadowed.B"};
+
+/// Throws Error if the file is not whole or not ours.
+Reference load(const std::string& path, const std::string& key, Rung rung) {
+  ChannelImage file = load_channels(path);
+  const auto attribute = [&](const char* name) { return file.attributes[std::string("penumbra:") + name]; };
+  if (attribute("key") != key) throw Error("{}: belongs to something else", path);
+  if (file.channels.size() != channels.size() || attribute("checksum") != checksum(file.values))
+    throw Error("{}: the checksum does not match", path);
+  Reference r;
+  r.rung = rung;
+  r.from_cache = true;
+  r.rays_per_receiver = std::stoi(attribute("rays"));
+  r.seconds = std::stod(attribute("seconds"));
+  for (Image* image : {&r.mean, &r.variance, &r.unshadowed}) *image = {file.width, file.height, {}};
+  for (std::size_t i = 0; i < file.values.size(); i += channels.size()) {
+    const float* v = &file.values[i];
+    r.mean.pixels.emplace_back(v[0], v[1], v[2]);
+    r.variance.pixels.emplace_back(v[3], v[4], v[5]);
+    r.unshadowed.pixels.emplace_back(v[6], v[7], v[8]);
+  }
+  return r;
+}
+
+void store(const std::string& path, const std::string& key, const Reference& r) {
+  ChannelImage file{r.mean.width, r.mean.height, channels, {}, {}};
+  for (std::size_t i = 0; i < r.mean.pixels.size(); ++i)
+    for (const Image* image : {&r.mean, &r.variance, &r.unshadowed})
+      for (int c = 0; c < 3; ++c) file.values.push_back(image->pixels[i][c]);
+  file.attributes = {{"penumbra:key", key},
+                     {"penumbra:checksum", checksum(file.values)},
+                     {"penumbra:rays", std::to_string(r.rays_per_receiver)},
+                     {"penumbra:seconds", std::to_string(r.seconds)}};
+  save_channels(path, file);
+}
+
+}  // namespace
+
+std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
+  Hash hash;
+  hash.add_value(format_version);
+  hash.add_value(int(rung));
+  if (rung == Rung::truth) hash.add_value(settings.truth_noise), hash.add_value(settings.most_rays);
+  if (rung == Rung::cube || rung == Rung::spheres) hash.add_value(settings.resolution);
+  if (rung == Rung::spheres) {
+    for (const Sphere& s : frame.spheres.spheres) hash.add_vec(s.centre), hash.add_value(s.radius);
+  } else {
+    hash.add(frame.mesh.positions);
+    hash.add(frame.mesh.triangles);
+  }
+  const Receivers& r = frame.receivers;
+  hash.add_value(r.width);
+  hash.add(r.position);
+  hash.add(r.normal);
+  hash.add(r.albedo);
+  hash.add(r.on_occluder);
+  add_light(hash, frame.light);
+  return hash.digest();
+}
+
+std::string cache_folder() {
+  if (const char* folder = std::getenv("PENUMBRA_CACHE")) return folder;
+  if (const char* folder = std::getenv("XDG_CACHE_HOME")) return std::string(folder) + "/penumbra";
+  const char* home = std::getenv("HOME");
+  return (home ? std::string(home) : std::string("/tmp")) + "/.cache/penumbra";
+}
+
+Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
+  const std::string key = reference_key(frame, rung, settings);
+  const std::string path = cache_folder() + "/" + to_string(rung) + "-" + key + ".exr";
+  if (std::filesystem::exists(path)) {
+    try {
+      return load(path, key, rung);
+    } catch (const std::exception& e) {
+      spdlog::warn("reference cache: {}; computing it anew", e.what());
+    }
+  }
+  Reference reference = compute_reference(frame, rung, settings);
+  try {
+    store(path, key, reference);
+  } catch (const std::exception& e) {
+    spdlog::warn("reference cache: {}; going on without", e.what());
+  }
+  return reference;
+}
+
+}  // namespace penumbra

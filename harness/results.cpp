@@ -1,0 +1,157 @@
+#include "harness/results.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "harness/timing.h"
+#include "scenes/error.h"
+
+namespace penumbra {
+namespace {
+
+using nlohmann::json;
+
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+json errors_json(const Errors& e) {
+  json out = {{"receivers", e.receivers}, {"rmse", e.rmse}, {"rel_rmse", e.rel_rmse}, {"psnr", number(e.psnr)},
+              {"max", e.max}, {"mean_signed", e.mean_signed}};
+  out["ssim"] = e.ssim ? json(*e.ssim) : json(nullptr);
+  out["flip"] = e.flip ? json(*e.flip) : json(nullptr);
+  return out;
+}
+
+Errors errors_from(const json& in) {
+  Errors e;
+  e.receivers = in.at("receivers");
+  e.rmse = in.at("rmse"), e.rel_rmse = in.at("rel_rmse"), e.max = in.at("max"), e.mean_signed = in.at("mean_signed");
+  e.psnr = in.at("psnr").is_null() ? std::numeric_limits<double>::infinity() : double(in.at("psnr"));
+  if (!in.at("ssim").is_null()) e.ssim = in.at("ssim");
+  if (!in.at("flip").is_null()) e.flip = in.at("flip");
+  return e;
+}
+
+json parameters_json(const Parameters& parameters) {
+  json out = json::object();
+  for (const auto& [name, value] : parameters.all())
+    std::visit([&, &key = name](const auto& v) { out[key] = v; }, value);
+  return out;
+}
+
+Parameters parameters_from(const json& in) {
+  Parameters out;
+  for (const auto& [name, value] : in.items()) {
+    if (value.is_number_integer()) out.set(name, value.get<int>());
+    else if (value.is_number()) out.set(name, value.get<double>());
+    else out.set(name, value.get<std::string>());
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string Row::name() const {
+  std::string text = scene + "/spheres:" + std::to_string(spheres) + "/" + technique + "/" + backend;
+  for (const auto& [key, value] : parameters.all()) text += "/" + key + ":" + to_string(value);
+  return text + "/threads:" + std::to_string(threads);
+}
+
+double Row::median_frame_ms() const { return median(frame_ms); }
+
+double Row::truth_error() const {
+  const auto at = errors.find("truth");
+  return at == errors.end() ? std::numeric_limits<double>::infinity() : at->second.report.all.rel_rmse;
+}
+
+json to_json(const Row& row) {
+  const double frame = median(row.frame_ms);
+  json out = {{"name", row.name()}, {"run_name", row.name()}, {"run_type", "iteration"},
+              {"repetitions", row.frame_ms.size()}, {"repetition_index", 0}, {"threads", row.threads},
+              {"iterations", row.iterations}, {"real_time", frame}, {"cpu_time", frame}, {"time_unit", "ms"}};
+  if (!row.ok()) out["error_occurred"] = true, out["error_message"] = row.status;
+  out["status"] = row.status;
+  out["scene"] = row.scene;
+  out["scene_key"] = row.scene_key;
+  out["spheres"] = row.spheres;
+  out["receivers"] = row.receivers;
+  out["technique"] = row.technique;
+  out["backend"] = row.backend;
+  out["instruction_set"] = row.instruction_set;
+  out["parameters"] = parameters_json(row.parameters);
+  out["prepare_ms"] = row.prepare_ms;
+  out["update_ms"] = median(row.update_ms);
+  out["shade_ms"] = median(row.shade_ms);
+  out["frame_ms"] = frame;
+  out["samples"] = {{"update_ms", row.update_ms}, {"shade_ms", row.shade_ms}, {"frame_ms", row.frame_ms}};
+  out["bytes"] = row.bytes.total();
+  out["footprint"] = {{"tables", row.bytes.tables}, {"per_scene", row.bytes.per_scene},
+                      {"per_frame", row.bytes.per_frame}};
+  out["parity_rel_rmse"] = row.parity < 0 ? json(nullptr) : json(row.parity);
+  out["errors"] = json::object();
+  for (const auto& [rung, errors] : row.errors) {
+    json& at = out["errors"][rung] = errors_json(errors.report.all);
+    at["noise"] = errors.noise;
+    at["rel_noise"] = errors.rel_noise;
+    for (int k = 0; k < 3; ++k) at["regions"][region_names[k]] = errors_json(errors.report.region[k]);
+  }
+  return out;
+}
+
+Row row_from_json(const json& in) {
+  Row row;
+  row.status = in.at("status");
+  row.scene = in.at("scene"), row.scene_key = in.at("scene_key");
+  row.spheres = in.at("spheres"), row.receivers = in.at("receivers");
+  row.technique = in.at("technique"), row.backend = in.at("backend");
+  row.instruction_set = in.at("instruction_set");
+  row.parameters = parameters_from(in.at("parameters"));
+  row.threads = in.at("threads");
+  row.prepare_ms = in.at("prepare_ms");
+  row.iterations = in.at("iterations");
+  const json& samples = in.at("samples");
+  row.update_ms = samples.at("update_ms").get<std::vector<double>>();
+  row.shade_ms = samples.at("shade_ms").get<std::vector<double>>();
+  row.frame_ms = samples.at("frame_ms").get<std::vector<double>>();
+  const json& bytes = in.at("footprint");
+  row.bytes = {bytes.at("tables"), bytes.at("per_scene"), bytes.at("per_frame")};
+  row.parity = in.at("parity_rel_rmse").is_null() ? -1.0 : double(in.at("parity_rel_rmse"));
+  for (const auto& [rung, at] : in.at("errors").items()) {
+    RungErrors& errors = row.errors[rung];
+    errors.report.all = errors_from(at);
+    errors.noise = at.at("noise"), errors.rel_noise = at.at("rel_noise");
+    for (int k = 0; k < 3; ++k) errors.report.region[k] = errors_from(at.at("regions").at(region_names[k]));
+  }
+  return row;
+}
+
+void write_atomically(const std::string& path, const std::string& text) {
+  const std::string partial = path + ".partial";
+  std::ofstream out(partial);
+  out << text;
+  out.close();
+  if (!out) throw Error("{}: cannot be written", path);
+  std::filesystem::rename(partial, path);
+}
+
+void write_results(const std::string& directory, const json& context, const std::vector<Row>& rows) {
+  json out = {{"context", context}, {"benchmarks", json::array()}};
+  for (const Row& row : rows) out["benchmarks"].push_back(to_json(row));
+  write_atomically(directory + "/results.json", out.dump(1) + "\n");
+}
+
+std::vector<Row> read_results(const std::string& directory) {
+  const std::string path = directory + "/results.json";
+  if (!std::filesystem::exists(path)) return {};
+  try {
+    std::vector<Row> rows;
+    const json file = json::parse(std::ifstream(path));
+    for (const json& row : file.at("benchmarks")) rows.push_back(row_from_json(row));
+    return rows;
+  } catch (const json::exception& e) {
+    throw Error("{}: not a results file of this version ({}); move it away or run without --resume", path, e.what());
+  }
+}
+
+}  // namespace penumbra

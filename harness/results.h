@@ -1,0 +1,56 @@
+// Rows: what is known about one variant on one scene, and how it is written down.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "harness/metrics.h"
+#include "harness/suite.h"
+
+namespace penumbra {
+
+struct RungErrors {
+  ErrorReport report;
+  double noise = 0.0;      ///< standard error of the rung, W m^-2 sr^-1
+  double rel_noise = 0.0;  ///< the same over the rung's RMS: relative RMSEs below it are ties
+};
+
+struct Row {
+  std::string scene, scene_key;  ///< key: hash of all that the scene's truth depends on, plus its spheres
+  std::size_t spheres = 0, receivers = 0;
+  std::string technique, backend, instruction_set;
+  Parameters parameters;
+  int threads = 1;
+  std::string status = "ok";     ///< "ok", "failed: why", "skipped: why"
+  double prepare_ms = 0.0;
+  long iterations = 0;
+  std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
+  Footprint bytes;
+  double parity = -1.0;          ///< relative RMSE against the scalar twin; -1: is scalar
+  std::map<std::string, RungErrors> errors;  ///< by rung
+
+  bool ok() const { return status == "ok"; }
+  std::string name() const;      ///< unique within a run
+  double median_frame_ms() const;
+  double truth_error() const;    ///< relative RMSE against truth; infinity if there is none
+};
+
+/// Google Benchmark's format: {"context": {...}, "benchmarks": [row, ...]}; our fields stand beside its own.
+nlohmann::json to_json(const Row& row);
+Row row_from_json(const nlohmann::json& json);
+
+/// Writes DIR/results.json atomically.
+void write_results(const std::string& directory, const nlohmann::json& context, const std::vector<Row>& rows);
+/// Rows of an earlier run; empty if there is none. Throws Error if the file is damaged.
+std::vector<Row> read_results(const std::string& directory);
+
+/// Markdown: per scene, rows by frame time and by error against truth; Pareto-optimal rows marked.
+std::string make_table(const std::vector<Row>& rows);
+
+/// Rows of one scene that no other row beats in both frame time and error (ties in error within the noise count as equal).
+std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows);
+
+/// Writes a text file beside its place and renames it.
+void write_atomically(const std::string& path, const std::string& text);
+
+}  // namespace penumbra

@@ -1,0 +1,197 @@
+#include "harness/scene_run.h"
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "harness/interrupt.h"
+#include "harness/run.h"
+#include "scenes/error.h"
+
+namespace penumbra {
+namespace {
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string file_name(std::string name) {
+  for (char& c : name)
+    if (c == '/' || c == ':' || c == ' ') c = '-';
+  return name;
+}
+
+Image exposed(const Image& image, double exposure) {
+  Image out = image;
+  for (vec3& p : out.pixels) p *= float(exposure);
+  return out;
+}
+
+/// Red where the image is too bright (leak), blue where it is too dark; full colour at a quarter of white.
+Image signed_error(const Image& image, const Image& reference, double exposure) {
+  Image out{image.width, image.height, {}};
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const double e = std::clamp(4.0 * exposure * double(luminance(image.pixels[i]) - luminance(reference.pixels[i])), -1.0, 1.0);
+    const auto fade = float(1.0 - std::abs(e));
+    out.pixels.push_back(e >= 0 ? vec3(1.0f, fade, fade) : vec3(fade, fade, 1.0f));
+  }
+  return out;
+}
+
+}  // namespace
+
+int resolution_of(const Parameters& parameters) {
+  const auto at = parameters.all().find("resolution");
+  return at == parameters.all().end() ? 32 : std::get<int>(at->second);
+}
+
+SceneRun::SceneRun(const Scene& scene, const Registry& registry, double truth_noise, std::string image_directory)
+    : scene_(scene), registry_(registry), image_directory_(std::move(image_directory)), animation_(scene),
+      frame_(animation_.frame(animation_.frames() / 3)), valid_(valid_receivers(frame_.receivers)) {
+  settings_.truth_noise = truth_noise;
+  key_ = reference_key(frame_, Rung::truth, settings_);
+  if (!scene.spheres.empty()) key_ += "-" + reference_key(frame_, Rung::spheres, settings_);
+}
+
+Row SceneRun::empty_row(const Variant& variant) const {
+  Row row;
+  row.scene = scene_.name;
+  row.scene_key = key_;
+  row.spheres = scene_.spheres.size();
+  row.receivers = std::size_t(scene_.receivers.size());
+  row.technique = variant.entry->name;
+  row.backend = variant.entry->backend;
+  row.parameters = variant.parameters;
+  row.threads = variant.threads;
+  return row;
+}
+
+void SceneRun::make_references(const std::vector<Variant>& variants, Progress& progress) {
+  progress.step(scene_.name + ": references");
+  std::set<int> resolutions;
+  for (const Variant& v : variants) resolutions.insert(resolution_of(v.parameters));
+  for (const Rung rung : {Rung::truth, Rung::r13x13, Rung::cube, Rung::spheres}) {
+    if (!inapplicable(frame_, rung).empty()) continue;
+    const bool texels = rung == Rung::cube || rung == Rung::spheres;
+    for (const int n : texels ? resolutions : std::set<int>{0}) {
+      if (interrupted()) return;
+      settings_.resolution = n;
+      references_[{rung, n}] = cached_reference(frame_, rung, settings_);
+    }
+  }
+  exposure_ = exposure_for(truth().mean, valid_);
+  regions_ = classify(truth().mean.pixels, truth().unshadowed.pixels, valid_);
+  write_images("truth", truth().mean);
+}
+
+void SceneRun::score(const Image& image, const Parameters& parameters, Row& row) const {
+  for (const auto& [which, reference] : references_) {
+    if (which.second != 0 && which.second != resolution_of(parameters)) continue;
+    RungErrors& errors = row.errors[to_string(which.first)];
+    errors.report = compare_images(image, reference.mean, regions_, valid_, exposure_);
+    errors.noise = reference.noise(valid_);
+    double energy = 0.0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < valid_.size(); ++i)
+      if (valid_[i]) energy += glm::dot(dvec3(reference.mean.pixels[i]), dvec3(reference.mean.pixels[i])), ++count;
+    errors.rel_noise = energy > 0.0 ? errors.noise / std::sqrt(energy / (3.0 * double(count))) : 0.0;
+  }
+}
+
+void SceneRun::shade_and_score(const Variant& variant, Candidate& c) const {
+  const Receivers& r = scene_.receivers;
+  c.image = {r.width, r.height, std::vector<vec3>(std::size_t(r.size()), vec3(NAN))};
+  tbb::task_arena(variant.threads).execute([&] {
+    auto start = std::chrono::steady_clock::now();
+    c.technique->prepare(scene_);
+    c.row.prepare_ms = milliseconds_since(start);
+    c.technique->update(frame_);
+    for (int warm = 0; warm < 2; ++warm) {  // the second look is the estimate, unless the first was long enough
+      start = std::chrono::steady_clock::now();
+      c.technique->shade({c.image.pixels.data(), r.width, r.height});
+      c.estimate_ms = milliseconds_since(start);
+      if (c.estimate_ms > 100.0) break;
+    }
+  });
+  for (std::size_t i = 0; i < c.image.pixels.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      if (!std::isfinite(c.image.pixels[i][k]))
+        throw std::runtime_error(fmt::format("receiver {} has the radiance {}", i, c.image.pixels[i][k]));
+  c.row.instruction_set = c.technique->instruction_set();
+  c.row.bytes = c.technique->footprint();
+  if (variant.entry->backend != "scalar") {
+    c.row.parity = parity_with_scalar(registry_, *variant.entry, variant.parameters, scene_);
+    if (!(c.row.parity <= variant.entry->parity))
+      throw std::runtime_error(fmt::format("differs from its scalar twin by {:.3g} (relative RMSE); allowed is {:.3g}",
+                                           c.row.parity, variant.entry->parity));
+  }
+  score(c.image, variant.parameters, c.row);
+}
+
+SceneRun::Candidate SceneRun::check(const Variant& variant) const {
+  Candidate c;
+  c.row = empty_row(variant);
+  const Entry& entry = *variant.entry;
+  if (!entry.unavailable.empty()) {
+    c.row.status = "skipped: " + entry.unavailable;
+  } else if (!entry.lights.accepts(scene_.light)) {
+    c.row.status = environment_of(scene_.light) ? "skipped: cannot shade an environment" : "skipped: cannot shade an area light";
+  } else {
+    try {
+      c.technique = make_technique(entry, variant.parameters);
+      shade_and_score(variant, c);
+    } catch (const Unsupported& e) {
+      c.row.status = std::string("skipped: ") + e.what();
+    } catch (const std::exception& e) {
+      c.row.status = std::string("failed: ") + e.what();
+    }
+  }
+  if (!c.row.ok()) {
+    c.technique.reset();
+    c.row.errors.clear();
+  }
+  return c;
+}
+
+void SceneRun::write_images(const std::string& name, const Image& image) const {
+  const std::string base = image_directory_ + "/" + file_name(name);
+  save_exr(base + ".exr", image);
+  save_png(base + ".png", exposed(image, exposure_));
+  if (&image != &truth().mean) save_png(base + ".error.png", signed_error(image, truth().mean, exposure_));
+}
+
+std::vector<Row> SceneRun::measure(const std::vector<Variant>& variants, int repetitions, Progress& progress) {
+  std::vector<Candidate> candidates;
+  for (const Variant& variant : variants) {
+    if (interrupted()) return {};
+    progress.step(scene_.name + ": checking " + variant.label());
+    candidates.push_back(check(variant));
+    const Candidate& c = candidates.back();
+    if (c.row.status.starts_with("failed")) progress.note(c.row.name() + ": " + c.row.status);
+    if (c.row.ok()) write_images(variant.label(), c.image);
+  }
+
+  std::vector<TimedItem> items;
+  for (Candidate& c : candidates)
+    if (c.row.ok()) items.push_back({c.row.name(), c.technique.get(), c.row.threads, c.estimate_ms, 0, {}, {}, {}, ""});
+  time_items(items, scene_, repetitions, [&] { progress.step(scene_.name + ": timing"); });
+
+  std::vector<Row> rows;
+  auto item = items.begin();
+  for (Candidate& c : candidates) {
+    if (c.row.ok()) {
+      TimedItem& timed = *item++;
+      c.row.iterations = timed.iterations;
+      c.row.update_ms = timed.update_ms, c.row.shade_ms = timed.shade_ms, c.row.frame_ms = timed.frame_ms;
+      if (!timed.failure.empty()) c.row.status = "failed: " + timed.failure;
+      else if (int(c.row.frame_ms.size()) < repetitions) continue;  // interrupted
+    }
+    rows.push_back(std::move(c.row));
+  }
+  return rows;
+}
+
+}  // namespace penumbra

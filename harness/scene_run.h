@@ -1,0 +1,52 @@
+// One scene of a run: its references, its variants, their rows.
+#pragma once
+
+#include "harness/progress.h"
+#include "harness/reference.h"
+#include "harness/results.h"
+#include "harness/timing.h"
+
+namespace penumbra {
+
+class SceneRun {
+ public:
+  /// The scene and registry must outlive this.
+  SceneRun(const Scene& scene, const Registry& registry, double truth_noise, std::string image_directory);
+
+  const std::string& key() const { return key_; }
+  Row empty_row(const Variant& variant) const;
+  void make_references(const std::vector<Variant>& variants, Progress& progress);
+  /// Checks every variant, times those that pass, and scores them. Rows come in the order of the variants; when
+  /// interrupted, unfinished ones are left out.
+  std::vector<Row> measure(const std::vector<Variant>& variants, int repetitions, Progress& progress);
+  static int steps(std::size_t variants, int repetitions) { return int(variants) * (1 + repetitions) + 1; }
+
+ private:
+  struct Candidate {
+    Row row;
+    std::unique_ptr<Technique> technique;
+    Image image;
+    double estimate_ms = 1.0;
+  };
+  Candidate check(const Variant& variant) const;
+  void shade_and_score(const Variant& variant, Candidate& candidate) const;
+  void score(const Image& image, const Parameters& parameters, Row& row) const;
+  void write_images(const std::string& name, const Image& image) const;
+  const Reference& truth() const { return references_.at({Rung::truth, 0}); }
+
+  const Scene& scene_;
+  const Registry& registry_;
+  ReferenceSettings settings_;
+  std::string image_directory_, key_;
+  Animation animation_;
+  Frame frame_;  ///< the scored frame: a third through the motion
+  std::vector<bool> valid_;
+  std::map<std::pair<Rung, int>, Reference> references_;  ///< by rung and resolution (0 where it has none)
+  std::vector<Region> regions_;
+  double exposure_ = 1.0;
+};
+
+/// "resolution" of a variant's parameters, 32 if it has none.
+int resolution_of(const Parameters& parameters);
+
+}  // namespace penumbra

@@ -1,0 +1,116 @@
+#include "harness/suite.h"
+
+#include <fmt/ranges.h>
+
+#include <thread>
+
+#include "scenes/assets.h"
+#include "scenes/toml_reader.h"
+
+namespace penumbra {
+
+std::string Variant::label() const {
+  std::string text = entry->name + "/" + entry->backend;
+  for (const auto& [name, value] : parameters.all()) text += "/" + name + ":" + to_string(value);
+  return text + "/threads:" + std::to_string(threads);
+}
+
+namespace {
+
+/// A value or a list of values, as a list.
+std::vector<ParameterValue> values_of(TomlReader& at, const std::string& key) {
+  const toml::node* node = at.node(key);
+  std::vector<ParameterValue> values;
+  const auto add = [&](const toml::node& n) {
+    if (n.is_integer()) values.emplace_back(int(*n.value<int64_t>()));
+    else if (n.is_floating_point()) values.emplace_back(*n.value<double>());
+    else if (n.is_string()) values.emplace_back(*n.value<std::string>());
+    else at.fail(key, "must be a number, a string, or a list of these");
+  };
+  if (const toml::array* list = node->as_array()) for (const toml::node& item : *list) add(item);
+  else add(*node);
+  if (values.empty()) at.fail(key, "must not be empty");
+  return values;
+}
+
+std::vector<std::string> texts_of(TomlReader& at, const std::string& key) {
+  std::vector<std::string> texts;
+  if (!at.has(key)) return texts;
+  for (const auto& value : values_of(at, key)) {
+    if (!std::holds_alternative<std::string>(value)) at.fail(key, "must hold strings");
+    texts.push_back(std::get<std::string>(value));
+  }
+  return texts;
+}
+
+std::vector<int> integers_of(TomlReader& at, const std::string& key, int low, int high) {
+  std::vector<int> numbers;
+  if (!at.has(key)) return numbers;
+  for (const auto& value : values_of(at, key)) {
+    if (!std::holds_alternative<int>(value) || std::get<int>(value) < low || std::get<int>(value) > high)
+      at.fail(key, fmt::format("must hold integers in [{}, {}]", low, high));
+    numbers.push_back(std::get<int>(value));
+  }
+  return numbers;
+}
+
+/// Every combination of the axes.
+std::vector<Parameters> combinations(TomlReader* at) {
+  std::vector<Parameters> all(1);
+  if (!at) return all;
+  for (const auto& [key, node] : at->raw()) {
+    std::vector<Parameters> grown;
+    for (const Parameters& base : all)
+      for (const ParameterValue& value : values_of(*at, std::string(key.str()))) {
+        grown.push_back(base);
+        grown.back().set(std::string(key.str()), value);
+      }
+    all = std::move(grown);
+  }
+  return all;
+}
+
+void add_variants(TomlReader& at, const Registry& registry, const std::vector<int>& threads, Suite& suite) {
+  const std::string name = at.required("name", at.text("name"), "a technique's name");
+  std::vector<std::string> backends = texts_of(at, "backend");
+  if (backends.empty()) backends = {"scalar", "simd"};
+  const std::vector<int> own = integers_of(at, "threads", 1, 1024);
+  auto table = at.table("parameters");
+  try {
+    for (const std::string& backend : backends)
+      for (const Parameters& given : combinations(table ? &*table : nullptr)) {
+        Variant variant{&registry.find(name, backend), {}, 1};
+        variant.parameters = given.resolve(variant.entry->parameters, variant.entry->title());
+        for (const int count : backend == "scalar" ? std::vector<int>{1} : own.empty() ? threads : own) {
+          variant.threads = count;
+          suite.variants.push_back(variant);
+        }
+      }
+  } catch (const Error& e) {
+    throw Error("{}: {}", at.where(table ? "parameters" : "name"), e.what());
+  }
+  at.finish();
+}
+
+}  // namespace
+
+Suite load_suite(const std::string& name_or_path, const Registry& registry, int threads) {
+  TomlReader file = TomlReader::open(shipped_file(name_or_path, "suites"));
+  Suite suite;
+  suite.name = file.required("name", file.text("name"), "a name for tables");
+  suite.scenes = texts_of(file, "scenes");
+  if (suite.scenes.empty()) throw Error("{}: key 'scenes' is missing: a list of scene names or paths", file.where());
+  for (const int count : integers_of(file, "spheres", 1, 4096)) suite.spheres.emplace_back(count);
+  if (suite.spheres.empty()) suite.spheres.emplace_back();
+  suite.repetitions = file.integer("repetitions", 1, 1000).value_or(9);
+  suite.truth_noise = file.number("truth_noise", 1e-5, 1.0).value_or(0.002);
+  std::vector<int> counts = integers_of(file, "threads", 1, 1024);
+  if (threads > 0) counts = {threads};
+  if (counts.empty()) counts = {std::max(1, int(std::thread::hardware_concurrency()))};
+  for (TomlReader& technique : file.tables("technique")) add_variants(technique, registry, counts, suite);
+  if (suite.variants.empty()) throw Error("{}: no [[technique]] is listed", file.where());
+  file.finish();
+  return suite;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,31 @@
+// Suites: which techniques on which scenes. The format is described in docs/suites.md.
+#pragma once
+
+#include <optional>
+
+#include "techniques/registry.h"
+
+namespace penumbra {
+
+/// A technique, a backend and parameters: what a row measures.
+struct Variant {
+  const Entry* entry = nullptr;
+  Parameters parameters;  ///< resolved
+  int threads = 1;
+  std::string label() const;  ///< "name/backend/param=value,.../threads:n"
+};
+
+struct Suite {
+  std::string name;
+  std::vector<std::string> scenes;
+  std::vector<std::optional<int>> spheres;  ///< sphere counts that replace the scenes' own; one empty entry: their own
+  std::vector<Variant> variants;
+  int repetitions = 9;
+  double truth_noise = 0.002;
+};
+
+/// Loads a shipped suite by name or a file by path, and expands every axis. `threads` replaces "all" (0: all cores).
+/// Throws Error naming file, line, key and what is allowed. The registry outlives the suite.
+Suite load_suite(const std::string& name_or_path, const Registry& registry, int threads);
+
+}  // namespace penumbra

@@ -1,0 +1,123 @@
+#include "harness/timing.h"
+
+#include <benchmark/benchmark.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+
+#include "harness/interrupt.h"
+#include "harness/machine.h"
+
+namespace penumbra {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+void initialise_once() {
+  static const bool done = [] {
+    char program[] = "penumbra", interleave[] = "--benchmark_enable_random_interleaving=true";
+    char* arguments[] = {program, interleave, nullptr};
+    int count = 2;
+    benchmark::Initialize(&count, arguments);
+    return true;
+  }();
+  (void)done;
+}
+
+/// Our rows take their samples from the benchmark functions; this only counts.
+class Ticker : public benchmark::BenchmarkReporter {
+ public:
+  explicit Ticker(const std::function<void()>& tick) : tick_(tick) {}
+  bool ReportContext(const Context&) override { return true; }
+  void ReportRuns(const std::vector<Run>&) override { tick_(); }
+
+ private:
+  const std::function<void()>& tick_;
+};
+
+void run_repetition(benchmark::State& state, TimedItem& item, Animation& animation, std::vector<vec3>& image) {
+  const Scene& scene = animation.scene();
+  double update = 0.0, shade = 0.0;
+  int index = 0;
+  tbb::task_arena arena(item.threads);
+  for (auto _ : state) {
+    if (interrupted() || !item.failure.empty()) {
+      state.SkipWithError("stopped");
+      break;
+    }
+    const Frame frame = animation.frame(index++ % animation.frames());
+    double seconds[2];
+    try {
+      arena.execute([&] {
+        const auto start = Clock::now();
+        item.technique->update(frame);
+        seconds[0] = seconds_since(start);
+        item.technique->shade({image.data(), scene.receivers.width, scene.receivers.height});
+        seconds[1] = seconds_since(start) - seconds[0];
+      });
+    } catch (const std::exception& e) {
+      item.failure = e.what();
+      state.SkipWithError(e.what());
+      break;
+    }
+    update += seconds[0], shade += seconds[1];
+    state.SetIterationTime(seconds[0] + seconds[1]);
+  }
+  if (index != item.iterations) return;
+  const double to_ms = 1e3 / double(index);
+  item.update_ms.push_back(update * to_ms);
+  item.shade_ms.push_back(shade * to_ms);
+  item.frame_ms.push_back((update + shade) * to_ms);
+}
+
+}  // namespace
+
+void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitions, const std::function<void()>& tick) {
+  initialise_once();
+  benchmark::ClearRegisteredBenchmarks();
+  std::vector<std::unique_ptr<Animation>> animations;  // each item sees its own sequence of frames
+  std::vector<std::vector<vec3>> images;
+  images.reserve(items.size());
+  for (TimedItem& item : items) {
+    item.iterations = std::clamp(long(std::ceil(30.0 / std::max(item.estimate_ms, 1e-3))), 1L, 1000L);
+    Animation& animation = *animations.emplace_back(std::make_unique<Animation>(scene));
+    auto& image = images.emplace_back(std::size_t(scene.receivers.size()));
+    benchmark::RegisterBenchmark(item.name.c_str(), [&item, &animation, &image](benchmark::State& state) {
+      run_repetition(state, item, animation, image);
+    })->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(item.iterations)->Repetitions(repetitions);
+  }
+  Ticker ticker(tick);
+  benchmark::RunSpecifiedBenchmarks(&ticker);
+  benchmark::ClearRegisteredBenchmarks();
+}
+
+nlohmann::json machine_context() {
+  initialise_once();
+  std::ostringstream out;
+  benchmark::JSONReporter reporter;
+  reporter.SetOutputStream(&out);
+  reporter.SetErrorStream(&out);
+  benchmark::BenchmarkReporter::Context context;
+  reporter.ReportContext(context);
+  reporter.Finalize();
+  std::string text = out.str();  // "{ context: {...}, benchmarks: [" and, from Finalize, "]}"
+  nlohmann::json json = nlohmann::json::parse(text)["context"];
+  json.erase("host_name");
+  json.erase("executable");
+  json.erase("library_build_type");  // of Google Benchmark, not of what is measured
+  for (const auto& [key, value] : describe_machine()) json[key] = value;
+  return json;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+}  // namespace penumbra
