@@ -2,6 +2,7 @@
 #include <OpenImageIO/hash.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -52,16 +53,33 @@ std::string checksum(const std::vector<float>& values) {
   return OIIO::SHA1::digest(values.data(), values.size() * sizeof(float));
 }
 
-const std::vector<std::string> channels = {"R",          "G",          "B",           "variance.R",   "variance.G",
-                                           "variance.B", "unshadowed.R", "unshadowed.G", "unshadowed.B"};
+const std::vector<std::string> channels = {"R", "G", "B", "variance.R", "variance.G", "variance.B",
+                                           "unshadowed.R", "unshadowed.G", "unshadowed.B"};
+
+/// EXR files keep channels in alphabetical order; this brings back ours.
+void reorder(ChannelImage& file, const std::string& path) {
+  std::vector<std::size_t> from;
+  for (const std::string& name : channels) {
+    const auto at = std::find(file.channels.begin(), file.channels.end(), name);
+    if (at == file.channels.end()) throw Error("{}: the channel {} is missing", path, name);
+    from.push_back(std::size_t(at - file.channels.begin()));
+  }
+  const std::size_t stride = file.channels.size();
+  std::vector<float> values;
+  values.reserve(file.values.size() / stride * from.size());
+  for (std::size_t i = 0; i < file.values.size(); i += stride)
+    for (const std::size_t c : from) values.push_back(file.values[i + c]);
+  file.values = std::move(values);
+  file.channels = channels;
+}
 
 /// Throws Error if the file is not whole or not ours.
 Reference load(const std::string& path, const std::string& key, Rung rung) {
   ChannelImage file = load_channels(path);
   const auto attribute = [&](const char* name) { return file.attributes[std::string("penumbra:") + name]; };
   if (attribute("key") != key) throw Error("{}: belongs to something else", path);
-  if (file.channels.size() != channels.size() || attribute("checksum") != checksum(file.values))
-    throw Error("{}: the checksum does not match", path);
+  reorder(file, path);
+  if (attribute("checksum") != checksum(file.values)) throw Error("{}: the checksum does not match", path);
   Reference r;
   r.rung = rung;
   r.from_cache = true;

@@ -28,15 +28,11 @@ void initialise_once() {
   (void)done;
 }
 
-/// Our rows take their samples from the benchmark functions; this only counts.
-class Ticker : public benchmark::BenchmarkReporter {
+/// Our rows take their samples from the benchmark functions.
+class SilentReporter : public benchmark::BenchmarkReporter {
  public:
-  explicit Ticker(const std::function<void()>& tick) : tick_(tick) {}
   bool ReportContext(const Context&) override { return true; }
-  void ReportRuns(const std::vector<Run>&) override { tick_(); }
-
- private:
-  const std::function<void()>& tick_;
+  void ReportRuns(const std::vector<Run>&) override {}
 };
 
 void run_repetition(benchmark::State& state, TimedItem& item, Animation& animation, std::vector<vec3>& image) {
@@ -86,12 +82,13 @@ void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitio
     item.iterations = std::clamp(long(std::ceil(30.0 / std::max(item.estimate_ms, 1e-3))), 1L, 1000L);
     Animation& animation = *animations.emplace_back(std::make_unique<Animation>(scene));
     auto& image = images.emplace_back(std::size_t(scene.receivers.size()));
-    benchmark::RegisterBenchmark(item.name.c_str(), [&item, &animation, &image](benchmark::State& state) {
+    benchmark::RegisterBenchmark(item.name.c_str(), [&item, &animation, &image, &tick](benchmark::State& state) {
+      tick();
       run_repetition(state, item, animation, image);
     })->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(item.iterations)->Repetitions(repetitions);
   }
-  Ticker ticker(tick);
-  benchmark::RunSpecifiedBenchmarks(&ticker);
+  SilentReporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
   benchmark::ClearRegisteredBenchmarks();
 }
 

@@ -20,7 +20,7 @@ struct TimedItem {
   std::string failure;                                 ///< empty, or what was thrown
 };
 
-/// Fills in the samples. `tick` is called after every repetition. Stops early when interrupted: items then have fewer
+/// Fills in the samples. `tick` is called before every repetition. Stops early when interrupted: items then have fewer
 /// samples than asked for.
 void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitions, const std::function<void()>& tick);
 

@@ -105,6 +105,16 @@ LightSample EnvironmentSampler::sample(const Product& product, double u, float v
   return sample;
 }
 
+vec3 EnvironmentSampler::unshadowed(vec3 normal) const {
+  dvec3 sum(0.0);
+  for (const int texel : texels_) {
+    const float cosine = glm::dot(normal, environment_->direction(texel, 0.5f, 0.5f));
+    if (cosine > 0.0f)
+      sum += dvec3(environment_->radiance[texel]) * (double(cosine) * environment_->solid_angle(texel));
+  }
+  return vec3(sum / pi);
+}
+
 std::size_t EnvironmentSampler::bytes() const {
   return cells_.size() * (sizeof(Cell) + 6 * sizeof(float)) + texels_.size() * (sizeof(int) + sizeof(double));
 }
@@ -143,6 +153,15 @@ void LightSampler::draw(vec3 position, vec3 normal, int k, std::uint64_t stream,
     const float u = (float(i) + 0.5f) / float(k) + shift.x, v = float(reversed >> 8) * 0x1p-24f + shift.y;
     scratch.samples[i] = sample_area(*area_, position, normal, u - std::floor(u), v - std::floor(v));
   }
+}
+
+void LightSampler::normalise(vec3 unshadowed, std::vector<LightSample>& samples) {
+  dvec3 sum(0.0);
+  for (const LightSample& s : samples) sum += dvec3(s.weight);
+  const dvec3 exact = dvec3(unshadowed) * double(samples.size());
+  for (int c = 0; c < 3; ++c)
+    if (sum[c] > 0.0)
+      for (LightSample& s : samples) s.weight[c] *= float(exact[c] / sum[c]);
 }
 
 vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples) {

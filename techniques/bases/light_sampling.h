@@ -39,6 +39,9 @@ class EnvironmentSampler {
   /// u in [0, 1) chooses cell and texel, (v, w) the point within the texel. Weight 0 if the product is black.
   LightSample sample(const Product& product, double u, float v, float w) const;
 
+  /// Reflected radiance at albedo 1 without any occluder: the sum over all texels, cosine at their centres.
+  vec3 unshadowed(vec3 normal) const;
+
   std::size_t bytes() const;
 
  private:
@@ -69,6 +72,12 @@ class LightSampler {
   /// Fills scratch.samples. Samples are a pure function of the arguments; `stream` tells independent sets apart.
   /// Environment: u = (i + jitter) / k. Area light: Hammersley points, randomly shifted (Cranley & Patterson 1976).
   void draw(vec3 position, vec3 normal, int k, std::uint64_t stream, Scratch& scratch) const;
+
+  /// Scales the samples of one normal, channel by channel, so that unoccluded they give exactly what arrives. The estimate becomes (exact unshadowed light) x (estimated share that is visible), the ratio estimator of
+  /// Heitz et al. 2018: no noise where nothing is in the way, a bias of order 1 / k elsewhere.
+  static void normalise(vec3 unshadowed, std::vector<LightSample>& samples);
+  /// Environments: reflected radiance at albedo 1 without any occluder.
+  vec3 unshadowed(vec3 normal) const { return environment_.unshadowed(normal); }
 
   std::size_t bytes() const { return environment_.bytes(); }
 

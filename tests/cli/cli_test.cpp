@@ -1,0 +1,109 @@
+// The program as a user meets it: output, one clear line on errors, exit codes.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "scenes/image.h"
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+struct Outcome {
+  int code;
+  std::string out, err;
+};
+
+class CommandLine : public testing::Test {
+ protected:
+  Outcome run(const std::string& arguments) const {
+    const std::string command = "PENUMBRA_CACHE=" + folder_.path() + "/cache " PENUMBRA_PROGRAM " " + arguments + " >" +
+                                folder_.path() + "/out.txt 2>" + folder_.path() + "/err.txt";
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), test::read_text(folder_.path() + "/out.txt"), test::read_text(folder_.path() + "/err.txt")};
+  }
+  void expect_error(const std::string& arguments, const std::string& part) const {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.code, 2) << arguments;
+    EXPECT_NE(o.err.find(part), std::string::npos) << arguments << ": " << o.err;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  }
+  std::string tiny_scene() const {
+    return folder_.write("tiny.toml", "name = \"tiny\"\n[occluder]\nmesh = \"box\"\nspheres = 4\n[receivers]\n"
+                                      "plane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n[light]\nenvironment = \"constant\"\n");
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(CommandLine, ListsInBothForms) {
+  EXPECT_NE(run("list").out.find("pixel-basis (simd)"), std::string::npos);
+  const auto json = nlohmann::json::parse(run("list --json").out);
+  EXPECT_GE(json["techniques"].size(), 4u);
+  EXPECT_TRUE(json["techniques"][0].contains("parameters"));
+}
+
+TEST_F(CommandLine, RendersReferencesAndFits) {
+  const std::string scene = tiny_scene();
+  EXPECT_EQ(run("render " + scene + " --technique pixel-basis -p visibility=raster -o " + folder_.path() + "/a.exr").code, 0);
+  EXPECT_EQ(load_image(folder_.path() + "/a.exr").width, 16);
+  EXPECT_EQ(run("reference " + scene + " --rung cube -o " + folder_.path() + "/c.png").code, 0);
+  EXPECT_NE(run("reference " + scene + " --rung cube").out.find("from the cache"), std::string::npos);
+  EXPECT_EQ(run("fit torus-knot --spheres 8 -o " + folder_.path() + "/s.json").code, 0);
+  EXPECT_EQ(nlohmann::json::parse(test::read_text(folder_.path() + "/s.json"))["spheres"].size(), 8u);
+}
+
+TEST_F(CommandLine, MistakesAreOneLineAndCodeTwo) {
+  const std::string scene = tiny_scene();
+  expect_error("render no-such-scene --technique pixel-basis -o x.exr", "bunny-city");
+  expect_error("render " + scene + " --technique magic -o x.exr", "pixel-basis");
+  expect_error("render " + scene + " --technique pixel-basis --backend gpu -o x.exr", "scalar");
+  expect_error("render " + scene + " --technique pixel-basis -p visibility=maybe -o x.exr", "table, raster, rays");
+  expect_error("render " + scene + " --technique pixel-basis -p resolution=64 -o x.exr", "resolution 16 and 32");
+  expect_error("render " + scene + " --technique pixel-basis -p colour=red -o x.exr", "no parameter 'colour'");
+  expect_error("render " + scene + " --technique ray-traced -o x.jpeg2", ".exr or .png");
+  expect_error("render bunny-lamp-small --technique pixel-basis -o x.exr", "cannot shade the light");
+  expect_error("reference " + scene + " --rung 13x13", "area lights");
+  expect_error("reference " + scene + " --rung best", "truth");
+  expect_error("fit teapot --spheres 4 -o s.json", "no such mesh file");
+  expect_error("run no-such-suite", "quick");
+  const Outcome usage = run("dance");
+  EXPECT_EQ(usage.code, 2);
+}
+
+TEST_F(CommandLine, InterruptedRunsKeepFinishedRowsAndResume) {
+  folder_.write("other.toml", "name = \"other\"\n[occluder]\nmesh = \"box\"\nspheres = 4\n[receivers]\n"
+                              "plane = { half_extent = 1.0, resolution = 96, y = -1.0 }\n[light]\nenvironment = \"constant\"\n");
+  const std::string suite = folder_.write(
+      "suite.toml", "name = \"s\"\nscenes = [\"" + tiny_scene() + "\", \"" + folder_.path() + "/other.toml\"]\ntruth_noise = 0.05\nrepetitions = 200\n"
+                    "[[technique]]\nname = \"pixel-basis\"\nbackend = \"simd\"\nparameters = { visibility = \"raster\" }\n");
+  const std::string out = folder_.path() + "/out";
+  const pid_t child = fork();
+  if (child == 0) {
+    setenv("PENUMBRA_CACHE", (folder_.path() + "/cache").c_str(), 1);
+    if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(99);
+    execl(PENUMBRA_PROGRAM, PENUMBRA_PROGRAM, "run", suite.c_str(), "--out", out.c_str(), nullptr);
+    _exit(99);
+  }
+  // The first scene's results appear, then the second one is under way: interrupt there.
+  for (int tries = 0; tries < 1200 && !std::filesystem::exists(out + "/table.md"); ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  const auto rows = nlohmann::json::parse(test::read_text(out + "/results.json"))["benchmarks"];
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0]["scene"], "tiny");
+
+  EXPECT_EQ(run("run " + suite + " --out " + out + " --repetitions 2 --resume").code, 0);
+  const auto all = nlohmann::json::parse(test::read_text(out + "/results.json"))["benchmarks"];
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0]["samples"]["frame_ms"].size(), 200u) << "the finished row is kept as it was";
+  EXPECT_EQ(all[1]["samples"]["frame_ms"].size(), 2u);
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,184 @@
+#include "harness/reference.h"
+
+#include <tbb/task_arena.h>
+
+#include "harness/run.h"
+#include "scenes/error.h"
+#include "scenes/scene_file.h"
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+Reference compute(const Scene& scene, Rung rung, ReferenceSettings settings = {}) {
+  Animation animation(scene);
+  return compute_reference(animation.frame(0), rung, settings);
+}
+
+/// Receivers beside a sphere of radius 1/2 that rests on the plane.
+Scene resting_sphere() {
+  std::vector<vec3> positions;
+  for (int i = 0; i < 64; ++i) positions.emplace_back(0.1f + 0.05f * float(i), 0, 0);
+  Scene scene = test::sphere_scene({{{0, 0.5f, 0}, 0.5f}}, test::receivers_at(positions));
+  scene.mesh = make_sphere({0, 0.5f, 0}, 0.5f, 512);
+  return scene;
+}
+
+TEST(Reference, TruthMeetsTheClosedFormWithinItsOwnError) {
+  const Scene scene = resting_sphere();
+  const Reference truth = compute(scene, Rung::truth);
+  double chi2 = 0.0;
+  for (int i = 0; i < 64; ++i) {
+    const double x = scene.receivers.position[i].x / 0.5, exact = 1 - std::pow(1 + x * x, -1.5);
+    const double sigma = std::sqrt(double(truth.variance.pixels[i].x));
+    EXPECT_NEAR(truth.mean.pixels[i].x, exact, 5 * sigma + 1e-3) << i;  // 1e-3: the sphere is a mesh
+    chi2 += std::pow((double(truth.mean.pixels[i].x) - exact) / std::max(sigma, 3e-4), 2);
+    EXPECT_NEAR(truth.unshadowed.pixels[i].x, 1.0, 5e-3);
+  }
+  EXPECT_LT(chi2 / 64, 3.0) << "the stated variance is too small";
+  EXPECT_GT(chi2 / 64, 0.05) << "the stated variance is too large";
+  EXPECT_LE(truth.noise(std::vector<bool>(64, true)), 0.002);
+}
+
+TEST(Reference, TruthOfADiscLightMeetsTheClosedForm) {
+  Scene scene = test::sphere_scene({{{0, -50, 0}, 1.0f}}, test::receivers_at({vec3(0.0f)}));
+  scene.light = make_disc({0, 2, 0}, {0, -1, 0}, 1.0f, vec3(1.0f));
+  EXPECT_NEAR(compute(scene, Rung::truth).mean.pixels[0].x, 0.2, 1e-3);
+  EXPECT_NEAR(compute(scene, Rung::r13x13).mean.pixels[0].x, 0.2, 2e-3);
+}
+
+TEST(Reference, CubeIsPixelBasisWithRays) {
+  const Scene scene = thinned(load_scene("torus-knot-sunset"), 16);
+  const Reference cube = compute(scene, Rung::cube);
+  for (const char* backend : {"scalar", "simd"})
+    EXPECT_LT(test::difference(test::shade("pixel-basis", backend, {"visibility=rays"}, scene), cube.mean.pixels), 1e-6);
+}
+
+TEST(Reference, SpheresIsPixelBasisWithExactCaps) {
+  const Scene scene = thinned(load_scene("bunny-city-camera"), 16);
+  for (const int n : {16, 32, 64}) {
+    ReferenceSettings settings;
+    settings.resolution = n;
+    const Reference spheres = compute(scene, Rung::spheres, settings);
+    for (const char* backend : {"scalar", "simd"})
+      EXPECT_LT(test::difference(test::shade("pixel-basis", backend, {"visibility=raster", "resolution=" + std::to_string(n)}, scene),
+                                 spheres.mean.pixels), 1e-6) << n;
+  }
+}
+
+// Hard case 34: values k / 169; an edge aligned with the light's sides gives k / 13.
+TEST(Reference, ThirteenByThirteen) {
+  Scene scene = test::sphere_scene({{{0, -50, 0}, 1.0f}}, {});
+  std::vector<vec3> positions;
+  for (int i = 0; i < 40; ++i) positions.emplace_back(-1.0f + 0.05f * float(i), 0, 0);
+  scene.receivers = test::receivers_at(positions);
+  scene.light = make_rectangle({0, 2, 0}, {1, 0, 0}, {0, 0, 1}, vec3(1.0f));
+  scene.mesh = make_box({0, 0.99f, -50}, {100, 1.01f, 50});
+  Animation animation(scene);
+  const Frame frame = animation.frame(0);
+  bool partial = false;
+  for (int i = 0; i < 40; ++i) {
+    const float v = visibility_13x13(frame, i) * 13;
+    EXPECT_NEAR(v, std::round(v), 1e-4f);
+    partial |= v > 0.5f && v < 12.5f;
+  }
+  EXPECT_TRUE(partial);
+  scene.mesh = make_sphere({0.1f, 1, 0.2f}, 0.3f);
+  Animation round(scene);
+  for (int i = 0; i < 40; ++i) {
+    const float v = visibility_13x13(round.frame(0), i) * 169;
+    EXPECT_NEAR(v, std::round(v), 1e-3f);
+  }
+}
+
+TEST(Reference, InapplicableRungsSayWhy) {
+  Scene scene = resting_sphere();
+  EXPECT_THROW(compute(scene, Rung::r13x13), Unsupported);
+  scene.spheres = {};
+  EXPECT_THROW(compute(scene, Rung::spheres), Unsupported);
+  scene.light = make_disc({0, 2, 0}, {0, -1, 0}, 1.0f, vec3(1.0f));
+  EXPECT_THROW(compute(scene, Rung::cube), Unsupported);
+  EXPECT_NE(test::error_of([] { parse_rung("thruth"); }).find("truth, 13x13"), std::string::npos);
+}
+
+TEST(Reference, ThreadsDoNotChangeABit) {
+  const Scene scene = resting_sphere();
+  Reference one, two;
+  tbb::task_arena(1).execute([&] { one = compute(scene, Rung::truth); });
+  tbb::task_arena(2).execute([&] { two = compute(scene, Rung::truth); });
+  EXPECT_EQ(one.mean.pixels, two.mean.pixels);
+  EXPECT_EQ(one.variance.pixels, two.variance.pixels);
+}
+
+class ReferenceCache : public testing::Test {
+ protected:
+  ReferenceCache() { setenv("PENUMBRA_CACHE", folder_.path().c_str(), 1); }
+  ~ReferenceCache() override { unsetenv("PENUMBRA_CACHE"); }
+
+  Reference get() {
+    Animation animation(scene_);
+    return cached_reference(animation.frame(0), Rung::truth, settings_);
+  }
+  std::string file() const {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) return entry.path();
+    return "";
+  }
+
+  test::TemporaryFolder folder_;
+  Scene scene_ = resting_sphere();
+  ReferenceSettings settings_{32, 0.05, 1024};
+};
+
+TEST_F(ReferenceCache, SecondTimeComesFromDisk) {
+  const Reference first = get(), second = get();
+  EXPECT_FALSE(first.from_cache);
+  EXPECT_TRUE(second.from_cache);
+  EXPECT_EQ(first.mean.pixels, second.mean.pixels);
+  EXPECT_EQ(first.variance.pixels, second.variance.pixels);
+  EXPECT_EQ(first.unshadowed.pixels, second.unshadowed.pixels);
+  EXPECT_EQ(first.rays_per_receiver, second.rays_per_receiver);
+}
+
+TEST_F(ReferenceCache, TruncatedAndForeignFilesAreRebuilt) {
+  const Reference good = get();
+  const std::string path = file(), bytes = test::read_text(path);
+  std::ofstream(path, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  Reference again = get();
+  EXPECT_FALSE(again.from_cache);
+  EXPECT_EQ(again.mean.pixels, good.mean.pixels);
+  std::ofstream(path, std::ios::binary) << "something else";
+  EXPECT_FALSE(get().from_cache);
+  ChannelImage other = load_channels(path);
+  other.values[5] += 1.0f;  // whole, but not what was written
+  save_channels(path, other);
+  EXPECT_FALSE(get().from_cache);
+  EXPECT_TRUE(get().from_cache);
+}
+
+TEST_F(ReferenceCache, KeyFollowsWhatTheRungDependsOn) {
+  Animation animation(scene_);
+  const Frame frame = animation.frame(0);
+  const auto key = [&](Rung rung) { return reference_key(frame, rung, settings_); };
+  const std::string truth = key(Rung::truth), cube = key(Rung::cube), spheres = key(Rung::spheres);
+  EXPECT_NE(truth, cube);
+  EXPECT_NE(cube, spheres);
+  settings_.resolution = 16;
+  EXPECT_EQ(key(Rung::truth), truth);
+  EXPECT_NE(key(Rung::cube), cube);
+  settings_.resolution = 32;
+  scene_.spheres.spheres[0].radius = 0.4f;
+  Animation moved(scene_);
+  EXPECT_EQ(reference_key(moved.frame(0), Rung::truth, settings_), truth);
+  EXPECT_NE(reference_key(moved.frame(0), Rung::spheres, settings_), spheres);
+  std::get<Environment>(scene_.light).rotation = 0.1;
+  Animation turned(scene_);
+  EXPECT_NE(reference_key(turned.frame(0), Rung::truth, settings_), truth);
+}
+
+TEST_F(ReferenceCache, UnwritableFolderIsOnlyAWarning) {
+  setenv("PENUMBRA_CACHE", "/proc/nowhere", 1);
+  EXPECT_FALSE(get().from_cache);
+}
+
+}  // namespace
+}  // namespace penumbra

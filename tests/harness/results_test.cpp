@@ -1,0 +1,85 @@
+#include "harness/results.h"
+
+#include "harness/timing.h"
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+Row row_with(const std::string& technique, double ms, double error, double noise = 0.0) {
+  Row row;
+  row.scene = "s";
+  row.technique = technique;
+  row.backend = "simd";
+  row.parameters.set("rays", 16);
+  row.parameters.set("width", 0.5);
+  row.parameters.set("mode", std::string("fast"));
+  row.frame_ms = {ms, ms + 1, ms - 1};
+  row.update_ms = {0.5, 0.5, 0.5};
+  row.shade_ms = {ms - 0.5, ms + 0.5, ms - 1.5};
+  row.iterations = 7;
+  row.bytes = {1, 2, 3};
+  row.errors["truth"].report.all.rel_rmse = error;
+  row.errors["truth"].report.all.ssim = 0.9;
+  row.errors["truth"].report.region[1].receivers = 5;
+  row.errors["truth"].rel_noise = noise;
+  return row;
+}
+
+TEST(Results, RowsRoundTripThroughJson) {
+  const Row row = row_with("a", 10, 0.1, 0.01);
+  const Row back = row_from_json(nlohmann::json::parse(to_json(row).dump()));
+  EXPECT_EQ(to_json(back), to_json(row));
+  EXPECT_EQ(back.name(), row.name());
+  EXPECT_EQ(back.parameters.all(), row.parameters.all());
+}
+
+TEST(Results, RowsHaveTheAgreedFieldsAndGoogleBenchmarks) {
+  const auto json = to_json(row_with("a", 10, 0.1));
+  for (const char* key : {"technique", "backend", "scene", "parameters", "prepare_ms", "update_ms", "shade_ms", "frame_ms",
+                          "bytes", "errors", "status", "name", "run_type", "iterations", "real_time", "time_unit"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  for (const char* key : {"rmse", "rel_rmse", "psnr", "ssim", "flip", "max", "mean_signed", "noise", "regions"})
+    EXPECT_TRUE(json["errors"]["truth"].contains(key)) << key;
+  EXPECT_EQ(json["frame_ms"], 10);
+  EXPECT_EQ(json["bytes"], 6);
+}
+
+TEST(Results, MedianIsTheMiddle) {
+  EXPECT_EQ(median({3, 1, 2}), 2);
+  EXPECT_EQ(median({4, 1, 2, 3}), 2.5);
+  EXPECT_EQ(median({}), 0);
+}
+
+TEST(Results, ParetoRowsAreNotBeaten) {
+  Row failed = row_with("f", 0.1, 0.0);
+  failed.status = "failed: x";
+  const std::vector<Row> rows = {row_with("fast", 2, 0.5), row_with("good", 20, 0.1), row_with("beaten", 21, 0.2), failed};
+  EXPECT_EQ(pareto_optimal({&rows[0], &rows[1], &rows[2], &rows[3]}), (std::vector<bool>{true, true, false, false}));
+}
+
+TEST(Results, DifferencesBelowTheNoiseAreTies) {
+  const Row slow = row_with("slow", 20, 0.001, 0.01), fast = row_with("fast", 2, 0.009, 0.01);
+  EXPECT_EQ(pareto_optimal({&slow, &fast}), (std::vector<bool>{false, true}));
+  EXPECT_NE(make_table({slow, fast}).find("(tie)"), std::string::npos);
+}
+
+TEST(Results, FilesAreReadBackAndDamageIsNoticed) {
+  const test::TemporaryFolder folder;
+  EXPECT_TRUE(read_results(folder.path()).empty());
+  write_results(folder.path(), machine_context(), {row_with("a", 1, 0.1), row_with("b", 2, 0.2)});
+  EXPECT_EQ(read_results(folder.path()).size(), 2u);
+  folder.write("results.json", "{");
+  EXPECT_NE(test::error_of([&] { read_results(folder.path()); }).find("results.json"), std::string::npos);
+}
+
+TEST(Results, ContextSaysWhatWasMeasured) {
+  const auto context = machine_context();
+  for (const char* key : {"cpu_name", "num_cpus", "caches", "instruction_sets", "compiler", "flags", "commit", "dirty",
+                          "load_avg", "date"})
+    EXPECT_TRUE(context.contains(key)) << key;
+  EXPECT_FALSE(context.contains("host_name"));
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,141 @@
+#include "scenes/mesh.h"
+
+#include <map>
+
+#include "scenes/assets.h"
+#include "scenes/ray_scene.h"
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+/// Signed volume by the divergence theorem: positive for closed meshes whose triangles face outward.
+double volume(const Mesh& mesh) {
+  double sum = 0.0;
+  for (const uvec3& t : mesh.triangles)
+    sum += glm::dot(dvec3(mesh.positions[t.x]), glm::cross(dvec3(mesh.positions[t.y]), dvec3(mesh.positions[t.z]))) / 6;
+  return sum;
+}
+
+bool closed(const Mesh& mesh) {
+  std::map<std::pair<unsigned, unsigned>, int> edges;
+  for (const uvec3& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}], --edges[{t[(k + 1) % 3], t[k]}];
+  return std::all_of(edges.begin(), edges.end(), [](const auto& e) { return e.second == 0; });
+}
+
+TEST(Shapes, ClosedOnesAreClosedAndFaceOutward) {
+  EXPECT_NEAR(volume(make_box({-1, 0, 2}, {1, 3, 4})), 12.0, 1e-9);
+  EXPECT_NEAR(volume(make_sphere({1, 2, 3}, 0.5f)), 4.0 / 3.0 * pi * 0.125, 5e-4);
+  EXPECT_NEAR(volume(make_torus(1.0f, 0.25f, 96, 48)), 2 * pi * pi * 0.0625, 1e-2);
+  EXPECT_GT(volume(make_torus_knot()), 0.0);
+  for (const Mesh& mesh : {make_box(vec3(0.0f), vec3(1.0f)), make_sphere(vec3(0.0f), 1), make_torus_knot(),
+                           make_torus(1, 0.3f, 32, 16)})
+    EXPECT_TRUE(closed(mesh));
+}
+
+TEST(Shapes, BowlIsOpenAndFacesInward) {
+  const Mesh bowl = make_bowl(1.0f);
+  EXPECT_FALSE(closed(bowl));
+  const auto normals = vertex_normals(bowl);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    EXPECT_LE(bowl.positions[i].y, 1e-6f);
+    EXPECT_NEAR(glm::dot(normals[i], bowl.positions[i]), -1.0f, 0.05f);
+  }
+}
+
+TEST(Shapes, UnknownNameIsNotAShape) {
+  Mesh mesh;
+  EXPECT_FALSE(make_shape("teapot", mesh));
+  EXPECT_TRUE(make_shape("none", mesh));
+  EXPECT_TRUE(mesh.empty());
+}
+
+TEST(Mesh, FitScalesCentresAndGrounds) {
+  const Mesh box = make_box({1, 1, 1}, {2, 3, 5});
+  const Similarity fit = fit_to(bounds(box), 1.0f, true);
+  EXPECT_EQ(fit.scale, 0.5f);
+  EXPECT_EQ(fit({1.5f, 1, 3}), vec3(0, 0, 0));
+  EXPECT_EQ(fit({1.5f, 3, 3}), vec3(0, 1, 0));
+  EXPECT_EQ(fit_to(bounds(box), 0.0f, false).scale, 1.0f);
+}
+
+TEST(Mesh, ObjAndPlyLoad) {
+  test::TemporaryFolder folder;
+  const std::string obj = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
+  EXPECT_EQ(load_mesh(obj).triangles.size(), 2u);
+  EXPECT_EQ(load_mesh(obj).positions.size(), 4u);
+  const std::string ply = folder.write(
+      "a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+               "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+  EXPECT_EQ(load_mesh(ply).triangles.size(), 2u);
+}
+
+TEST(Mesh, AssetsLoad) {
+  for (const char* name : {"bunny", "horse", "cat"}) {
+    const Mesh mesh = load_mesh(asset_file(name, "mesh"));
+    EXPECT_GT(mesh.triangles.size(), 1000u) << name;
+    EXPECT_GT(mesh.triangles.size(), mesh.positions.size()) << name << ": equal vertices must be joined";
+  }
+}
+
+TEST(Mesh, BadFilesSayWhatIsWrong) {
+  test::TemporaryFolder folder;
+  const auto message = [&](const std::string& name, const std::string& text) {
+    const std::string path = folder.write(name, text);
+    return test::error_of([&] { load_mesh(path); });
+  };
+  EXPECT_NE(message("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n").find("nan.obj"), std::string::npos);
+  EXPECT_NE(message("empty.obj", "").find("empty.obj"), std::string::npos);
+  EXPECT_NE(message("points.obj", "v 0 0 0\nv 1 0 0\n").find("points.obj"), std::string::npos);
+  EXPECT_NE(message("text.ply", "hello").find("text.ply"), std::string::npos);
+  EXPECT_NE(test::error_of([] { load_mesh("/nowhere/x.obj"); }).find("no such mesh"), std::string::npos);
+  Mesh bad = make_box(vec3(0.0f), vec3(1.0f));
+  bad.positions[3].y = NAN;
+  EXPECT_NE(test::error_of([&] { validate(bad, "box"); }).find("vertex 3"), std::string::npos);
+  bad = make_box(vec3(0.0f), vec3(1.0f));
+  bad.triangles[0].x = 99;
+  EXPECT_NE(test::error_of([&] { validate(bad, "box"); }).find("99"), std::string::npos);
+}
+
+TEST(RayScene, PacketsAgreeWithSingleRays) {
+  const Mesh mesh = make_torus_knot();
+  const RayScene rays(mesh);
+  RayPacket packet = {};
+  int hits = 0;
+  for (int group = 0; group < 500; ++group) {
+    for (const int count : {16, 7, 1}) {
+      for (int i = 0; i < count; ++i) {
+        const float a = float(group * 16 + i);
+        packet.set(i, 2.0f * vec3(std::sin(a), std::cos(1.7f * a), std::sin(0.3f * a)),
+                   glm::normalize(vec3(std::sin(3.1f * a), std::sin(2.3f * a), std::cos(a))), i % 2 ? 1.5f : 1e9f);
+      }
+      const unsigned bits = rays.occluded(packet, count), box = rays.meets_box(packet, count);
+      for (int i = 0; i < count; ++i) {
+        const auto at = [&](const float (&v)[3][16]) { return vec3(v[0][i], v[1][i], v[2][i]); };
+        const bool single = rays.occluded(at(packet.origin), at(packet.direction), packet.far[i]);
+        ASSERT_EQ(single, (bits >> i & 1u) != 0);
+        if (single) ASSERT_TRUE(box >> i & 1u) << "the box must not drop a hit";
+        hits += single;
+      }
+    }
+  }
+  EXPECT_GT(hits, 100);
+}
+
+TEST(RayScene, EmptyMeshBlocksNothing) {
+  const RayScene rays{Mesh{}};
+  EXPECT_FALSE(rays.occluded(vec3(0.0f), {0, 1, 0}, 1e9f));
+  EXPECT_FALSE(rays.intersect(vec3(0.0f), {0, 1, 0}));
+}
+
+TEST(RayScene, InsideVotes) {
+  const RayScene rays(make_sphere(vec3(0.0f), 1.0f));
+  EXPECT_TRUE(inside(rays, {0.1f, 0.2f, 0.3f}));
+  EXPECT_TRUE(inside(rays, vec3(0.0f)));
+  EXPECT_FALSE(inside(rays, {0.8f, 0.8f, 0.8f}));
+  EXPECT_FALSE(inside(rays, {5, 0, 0}));
+}
+
+}  // namespace
+}  // namespace penumbra

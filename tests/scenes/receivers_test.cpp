@@ -1,0 +1,73 @@
+#include "scenes/receivers.h"
+
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+TEST(Receivers, PlaneRunsRightAndDown) {
+  const Receivers r = make_receivers({PlaneGrid{2.0f, 4, 0.5f}, vec3(0.8f)}, {});
+  ASSERT_EQ(r.size(), 16);
+  EXPECT_EQ(r.position[0], vec3(-1.5f, 0.5f, -1.5f));
+  EXPECT_EQ(r.position[1], vec3(-0.5f, 0.5f, -1.5f));
+  EXPECT_EQ(r.position[4], vec3(-1.5f, 0.5f, -0.5f));
+  EXPECT_EQ(r.normal[7], vec3(0, 1, 0));
+  EXPECT_EQ(r.albedo[7], vec3(0.8f));
+}
+
+TEST(Receivers, VerticesCarryNormals) {
+  const Mesh mesh = make_sphere(vec3(0.0f), 2.0f, 48);
+  const Receivers r = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh);
+  ASSERT_EQ(r.size(), int(mesh.positions.size()));
+  for (int i = 0; i < r.size(); ++i) {
+    EXPECT_NEAR(glm::dot(r.normal[i], r.position[i]), 2.0f, 0.02f);
+    EXPECT_EQ(r.on_occluder[i], 1);
+  }
+}
+
+TEST(Receivers, CameraSeesMeshGroundAndNothing) {
+  Camera camera{{0, 1, 5}, {0, 1, 0}, 60.0f, 65, 65};
+  const Receivers r = make_receivers({camera, vec3(1.0f)}, make_sphere({0, 1, 0}, 1.0f));
+  const int middle = 32 * 65 + 32;
+  EXPECT_NEAR(r.view_depth[middle], 4.0f, 1e-3f);
+  EXPECT_NEAR(r.position[middle].z, 1.0f, 1e-3f);
+  EXPECT_NEAR(r.normal[middle].z, 1.0f, 1e-3f);
+  EXPECT_EQ(r.on_occluder[middle], 1);
+  const int below = 64 * 65 + 32;
+  EXPECT_NEAR(r.position[below].y, 0.0f, 1e-5f);
+  EXPECT_EQ(r.normal[below], vec3(0, 1, 0));
+  EXPECT_EQ(r.on_occluder[below], 0);
+  EXPECT_FALSE(r.valid(32)) << "the sky shows nothing";
+  EXPECT_TRUE(std::isinf(r.view_depth[32]));
+  camera.has_ground = false;
+  EXPECT_FALSE(make_receivers({camera, vec3(1.0f)}, make_sphere({0, 1, 0}, 1.0f)).valid(below));
+}
+
+TEST(Animation, MovesWhatTheSceneSays) {
+  Scene scene = test::sphere_scene({{{1, 2, 0}, 0.5f}}, test::receivers_at({{0, 0, 0}}));
+  scene.motion = {Motion::Kind::rigid, float(pi / 2), 4.0f, 4};
+  Animation animation(scene);
+  EXPECT_EQ(animation.frame(0).spheres.spheres[0].centre, vec3(1, 2, 0));
+  const Frame turned = animation.frame(1);  // sin(2 pi / 4) = 1: a quarter turn about +y takes +x to -z
+  EXPECT_LT(glm::length(turned.spheres.spheres[0].centre - vec3(0, 2, -1)), 1e-5f);
+  EXPECT_TRUE(turned.changed.mesh && turned.changed.spheres);
+  EXPECT_FALSE(turned.changed.light);
+
+  scene.motion = {Motion::Kind::twist, 1.0f, 4.0f, 4};
+  Animation twist(scene);
+  const Frame twisted = twist.frame(1);
+  const Bounds rest = bounds(scene.mesh);
+  for (std::size_t i = 0; i < scene.mesh.positions.size(); ++i) {
+    EXPECT_FLOAT_EQ(twisted.mesh.positions[i].y, scene.mesh.positions[i].y);
+    if (scene.mesh.positions[i].y < rest.low.y + 1e-6f)
+      EXPECT_LT(glm::length(twisted.mesh.positions[i] - scene.mesh.positions[i]), 1e-5f) << "the foot stays";
+  }
+
+  scene.motion = {Motion::Kind::rotate_light, 1.0f, 10.0f, 10};
+  Animation light(scene);
+  EXPECT_NEAR(environment_of(light.frame(5).light)->rotation, 0.5, 1e-6);
+  EXPECT_NEAR(environment_of(light.frame(0).light)->rotation, 0.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace penumbra

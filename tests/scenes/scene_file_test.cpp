@@ -1,0 +1,136 @@
+#include "scenes/scene_file.h"
+
+#include "scenes/assets.h"
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+const char* good_receivers = "[receivers]\nplane = { half_extent = 1.0, resolution = 4 }\n";
+const char* good_light = "[light]\nenvironment = \"constant\"\n";
+const char* good_occluder = "[occluder]\nmesh = \"box\"\n";
+
+std::string scene_text(const std::string& occluder, const std::string& receivers, const std::string& light,
+                       const std::string& rest = "") {
+  return "name = \"t\"\n" + occluder + receivers + light + rest;
+}
+
+std::string error_for(const std::string& text) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.write("t.toml", text);
+  return test::error_of([&] { load_scene(path); });
+}
+
+Scene load_text(const std::string& text) {
+  const test::TemporaryFolder folder;
+  return load_scene(folder.write("t.toml", text));
+}
+
+TEST(SceneFile, EveryShippedSceneLoads) {
+  const auto names = shipped_names("library");
+  for (const char* needed : {"bunny-city", "bunny-studio", "torus-knot-sunset", "torus-knot-lamps",
+                             "resting-sphere-constant", "bunny-lamp-small", "bunny-lamp-large"})
+    EXPECT_NE(std::find(names.begin(), names.end(), needed), names.end()) << needed;
+  for (const std::string& name : names) {
+    const Scene scene = load_scene(name);
+    EXPECT_EQ(scene.name, name);
+    EXPECT_FALSE(scene.mesh.empty());
+    EXPECT_FALSE(scene.spheres.empty());
+    EXPECT_GT(scene.receivers.size(), 0);
+  }
+}
+
+TEST(SceneFile, EveryKeyWorks) {
+  const Scene scene = load_text(scene_text(
+      "[occluder]\nmesh = \"sphere\"\nfit = { height = 4.0, on_ground = true }\nspheres = [[0, 0, 0, 1], [1, 0, 0, 0.5]]\n",
+      "[receivers]\ncamera = { eye = [0, 2, 9], target = [0, 2, 0], vertical_fov = 30, width = 8, height = 6, ground = -1.0 }\n"
+      "albedo = [0.1, 0.2, 0.3]\n",
+      "[light]\narea = { centre = [0, 9, 0], normal = [0, -1, 0], radius = 2.0, radiance = [1, 2, 3] }\n",
+      "[motion]\nkind = \"bend\"\namount = 0.5\nperiod = 8\nframes = 3\n"));
+  EXPECT_NEAR(bounds(scene.mesh).low.y, 0.0f, 1e-6f);
+  EXPECT_NEAR(bounds(scene.mesh).high.y, 4.0f, 1e-5f);
+  EXPECT_EQ(scene.spheres.spheres[0].radius, 2.0f) << "fit carries the spheres along";
+  EXPECT_EQ(scene.spheres.spheres[0].centre, vec3(0, 2, 0));
+  EXPECT_EQ(scene.receivers.width, 8);
+  EXPECT_EQ(scene.receivers.albedo[0], vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(area_light_of(scene.light)->shape, AreaLight::Shape::disc);
+  EXPECT_EQ(scene.motion.kind, Motion::Kind::bend);
+  EXPECT_EQ(scene.motion.frames, 3);
+  EXPECT_EQ(load_text(scene_text("[occluder]\nmesh = \"bowl\"\n", "[receivers]\nvertices = true\n",
+                                 "[light]\nenvironment = \"sun-sky\"\nrotation = 1.5\n")).receivers.height, 1);
+}
+
+struct BadScene {
+  const char* what;
+  std::string text;
+  std::vector<std::string> says;
+};
+
+TEST(SceneFile, MistakesNameFileLineKeyAndWhatIsAllowed) {
+  const std::vector<BadScene> bad = {
+      {"not TOML", "name = \n", {"t.toml:1", "not valid TOML"}},
+      {"missing name", "x = 1\n", {"'name'"}},
+      {"unknown section", scene_text(good_occluder, good_receivers, good_light, "[fog]\ndensity = 1\n"), {"t.toml:8", "'fog'", "motion"}},
+      {"unknown key", scene_text("[occluder]\nmesh = \"box\"\ncolour = 1\n", good_receivers, good_light), {"t.toml:4", "occluder.colour", "fit, mesh, spheres"}},
+      {"unknown mesh", scene_text("[occluder]\nmesh = \"teapot\"\n", good_receivers, good_light), {"t.toml:3", "occluder.mesh", "bunny", "torus-knot"}},
+      {"two receivers", scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1, resolution = 4 }\nvertices = true\n", good_light), {"receivers", "exactly one", "camera"}},
+      {"no receivers", scene_text(good_occluder, "[receivers]\n", good_light), {"exactly one"}},
+      {"resolution 0", scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1.0, resolution = 0 }\n", good_light), {"t.toml:5", "receivers.plane.resolution", "[1, 4096]"}},
+      {"resolution 10^6", scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1.0, resolution = 1000000 }\n", good_light), {"[1, 4096]"}},
+      {"text for number", scene_text(good_occluder, "[receivers]\nplane = { half_extent = \"a\", resolution = 4 }\n", good_light), {"half_extent", "number"}},
+      {"nan", scene_text(good_occluder, "[receivers]\nplane = { half_extent = nan, resolution = 4 }\n", good_light), {"half_extent"}},
+      {"two lights", scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"constant\"\narea = { centre = [0,1,0], edge_u = [1,0,0], edge_v = [0,0,1] }\n"), {"exactly one of environment, area"}},
+      {"unknown light", scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"moon\"\n"), {"light.environment", "city", "lamps"}},
+      {"bad mapping", scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"city\"\nmapping = \"globe\"\n"), {"light.mapping", "angular"}},
+      {"bad vector", scene_text(good_occluder, good_receivers, "[light]\narea = { centre = [0, 1], edge_u = [1,0,0], edge_v = [0,0,1] }\n"), {"light.area.centre", "three"}},
+      {"missing edge", scene_text(good_occluder, good_receivers, "[light]\narea = { centre = [0, 1, 0] }\n"), {"edge_u"}},
+      {"bad albedo", scene_text(good_occluder, std::string(good_receivers) + "albedo = [2, 0, 0]\n", good_light), {"receivers.albedo"}},
+      {"bad spheres", scene_text("[occluder]\nmesh = \"box\"\nspheres = [[0, 0, 0]]\n", good_receivers, good_light), {"occluder.spheres", "radius"}},
+      {"no spheres", scene_text("[occluder]\nmesh = \"box\"\nspheres = 0\n", good_receivers, good_light), {"occluder.spheres", "[1, 4096]"}},
+      {"missing sphere file", scene_text("[occluder]\nmesh = \"box\"\nspheres = \"x.json\"\n", good_receivers, good_light), {"t.toml:4", "x.json"}},
+      {"fit without mesh", scene_text("[occluder]\nmesh = \"none\"\nspheres = 4\n", good_receivers, good_light), {"no mesh"}},
+      {"vertices without mesh", scene_text("[occluder]\nmesh = \"none\"\n", "[receivers]\nvertices = true\n", good_light), {"no mesh"}},
+      {"bad motion", scene_text(good_occluder, good_receivers, good_light, "[motion]\nkind = \"fly\"\n"), {"motion.kind", "twist"}},
+  };
+  for (const BadScene& scene : bad) {
+    const std::string message = error_for(scene.text);
+    for (const std::string& part : scene.says)
+      EXPECT_NE(message.find(part), std::string::npos) << scene.what << ": " << message << " does not say " << part;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << scene.what;
+  }
+}
+
+TEST(SceneFile, PathsAreRelativeToTheFile) {
+  const test::TemporaryFolder folder;
+  folder.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  folder.write("s.json", "{\"spheres\": [[0, 0, 0, 1]]}");
+  const Scene scene = load_scene(folder.write(
+      "t.toml", scene_text("[occluder]\nmesh = \"tri.obj\"\nspheres = \"s.json\"\n", good_receivers, good_light)));
+  EXPECT_EQ(scene.mesh.triangles.size(), 1u);
+  EXPECT_EQ(scene.spheres.size(), 1u);
+}
+
+TEST(SceneFile, MeshWithNanNamesTheKey) {
+  const test::TemporaryFolder folder;
+  folder.write("bad.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+  const std::string path =
+      folder.write("t.toml", scene_text("[occluder]\nmesh = \"bad.obj\"\n", good_receivers, good_light));
+  const std::string message = test::error_of([&] { load_scene(path); });
+  EXPECT_NE(message.find("t.toml:3"), std::string::npos) << message;
+  EXPECT_NE(message.find("bad.obj"), std::string::npos) << message;
+}
+
+TEST(SceneFile, UnknownNameListsTheShippedOnes) {
+  const std::string message = test::error_of([] { load_scene("no-such-scene"); });
+  EXPECT_NE(message.find("bunny-city"), std::string::npos);
+}
+
+TEST(SceneFile, MissingAssetNamesItsPackage) {
+  for (const Asset& asset : assets()) EXPECT_FALSE(asset.package.empty() || asset.licence.empty()) << asset.name;
+  EXPECT_EQ(asset_file("no-such-asset", "mesh"), "");
+}
+
+TEST(SceneFile, SphereCountCanBeOverridden) { EXPECT_EQ(load_scene("torus-knot-lamps", 8).spheres.size(), 8u); }
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,190 @@
+// What must hold for every technique: the tests walk the registry, so a new one is tested by existing.
+#include <hwy/highway.h>
+#include <hwy/targets.h>
+#include <tbb/task_arena.h>
+
+#include "harness/run.h"
+#include "scenes/scene_file.h"
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+/// The values to test of one parameter: every choice; one other value of a number.
+std::vector<ParameterValue> values_to_test(const Parameter& p) {
+  if (!p.allowed.empty()) return p.allowed;
+  if (std::holds_alternative<int>(p.fallback)) return {p.fallback, std::clamp(17, int(p.low), int(std::min(p.high, 1e9)))};
+  return {p.fallback};
+}
+
+/// The default set, and for every parameter each of its other values.
+std::vector<Parameters> parameter_sets(const Entry& entry) {
+  std::vector<Parameters> sets = {Parameters().resolve(entry.parameters, entry.title())};
+  for (const Parameter& p : entry.parameters)
+    for (const ParameterValue& value : values_to_test(p)) {
+      if (value == p.fallback) continue;
+      sets.push_back(sets[0]);
+      sets.back().set(p.name, value);
+    }
+  return sets;
+}
+
+struct Case {
+  Entry entry;
+  Parameters parameters;
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.entry.title() << " " << c.parameters.describe(); }
+};
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  for (const Entry& entry : make_registry().entries()) {
+    if (!entry.unavailable.empty()) continue;
+    for (const Parameters& parameters : parameter_sets(entry)) cases.push_back({entry, parameters});
+  }
+  return cases;
+}
+
+std::string readable(const testing::TestParamInfo<Case>& info) {
+  std::string name = info.param.entry.title() + "_" + info.param.parameters.describe();
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+}
+
+const Scene& scene_for(const Entry& entry, bool area) {
+  static const Scene environment = load_scene("torus-knot-lamps"), lamp = load_scene("bunny-lamp-large");
+  return area || !entry.lights.environment ? lamp : environment;
+}
+
+class EveryVariant : public testing::TestWithParam<Case> {
+ protected:
+  /// Empty if the parameters exclude each other.
+  static std::unique_ptr<Technique> make() {
+    try {
+      return GetParam().entry.make(GetParam().parameters);
+    } catch (const Error&) {
+      return nullptr;
+    }
+  }
+};
+
+TEST_P(EveryVariant, EqualsItsScalarTwin) {
+  if (GetParam().entry.backend == "scalar" || !make()) GTEST_SKIP();
+  static const Registry registry = make_registry();
+  for (const bool area : {false, true}) {
+    const Scene& scene = scene_for(GetParam().entry, area);
+    if (!GetParam().entry.lights.accepts(scene.light)) continue;
+    EXPECT_LE(parity_with_scalar(registry, GetParam().entry, GetParam().parameters, scene), GetParam().entry.parity)
+        << scene.name;
+  }
+}
+
+TEST_P(EveryVariant, RaggedReceiverCountsGiveThePrefix) {
+  const auto technique = make();
+  if (!technique) GTEST_SKIP();
+  Scene scene = thinned(scene_for(GetParam().entry, false), 32);
+  const Receivers all = test::receivers_at(scene.receivers.position);
+  scene.receivers = all;
+  const std::vector<vec3> whole = test::shade(*technique, scene);
+  for (const int count : {1, 15, 17, 1000}) {
+    scene.receivers = test::receivers_at({all.position.begin(), all.position.begin() + count});
+    const std::vector<vec3> part = test::shade(*technique, scene);
+    for (int i = 0; i < count; ++i) ASSERT_EQ(part[i], whole[i]) << i << " of " << count;
+  }
+}
+
+TEST_P(EveryVariant, ThreadsDoNotChangeABit) {
+  const auto technique = make();
+  if (!technique) GTEST_SKIP();
+  const Scene scene = thinned(scene_for(GetParam().entry, false), 32);
+  std::vector<vec3> one, two;
+  tbb::task_arena(1).execute([&] { one = test::shade(*technique, scene); });
+  tbb::task_arena(2).execute([&] { two = test::shade(*technique, scene); });
+  EXPECT_EQ(one, two);
+  EXPECT_EQ(test::shade(*make(), scene), one) << "a second instance must agree";
+}
+
+TEST_P(EveryVariant, NoReceiversAndInvalidReceivers) {
+  const auto technique = make();
+  if (!technique) GTEST_SKIP();
+  Scene scene = thinned(scene_for(GetParam().entry, false), 4);
+  const std::vector<vec3> before = test::shade(*technique, scene);
+  scene.receivers.normal[5] = vec3(0.0f);
+  const std::vector<vec3> after = test::shade(*technique, scene);
+  EXPECT_EQ(after[5], vec3(0.0f)) << "what shows nothing is black";
+  EXPECT_LT(test::difference({after[4]}, {before[4]}), 0.5);
+  scene.receivers = test::receivers_at({});
+  EXPECT_TRUE(test::shade(*technique, scene).empty());
+}
+
+TEST_P(EveryVariant, AlbedoScales) {
+  const auto technique = make();
+  if (!technique) GTEST_SKIP();
+  Scene scene = thinned(scene_for(GetParam().entry, false), 8);
+  const std::vector<vec3> white = test::shade(*technique, scene);
+  for (vec3& albedo : scene.receivers.albedo) albedo = {0.5f, 0.25f, 0.0f};
+  const std::vector<vec3> tinted = test::shade(*technique, scene);
+  for (std::size_t i = 0; i < white.size(); ++i) {
+    EXPECT_NEAR(tinted[i].x, 0.5f * white[i].x, 1e-6f * white[i].x);
+    EXPECT_NEAR(tinted[i].y, 0.25f * white[i].y, 1e-6f * white[i].y);
+    EXPECT_EQ(tinted[i].z, 0.0f);
+  }
+}
+
+TEST_P(EveryVariant, UpdateEqualsAFreshPrepare) {
+  const auto technique = make();
+  if (!technique) GTEST_SKIP();
+  for (const Motion::Kind kind : {Motion::Kind::twist, Motion::Kind::rotate_light}) {
+    Scene scene = thinned(scene_for(GetParam().entry, false), 16);
+    scene.motion = {kind, 1.0f, 8.0f, 8};
+    technique->prepare(scene);
+    Animation animation(scene);
+    for (const int index : {1, 3}) technique->update(animation.frame(index));
+    std::vector<vec3> updated(std::size_t(scene.receivers.size()));
+    technique->shade({updated.data(), scene.receivers.width, scene.receivers.height});
+
+    const Frame frame = animation.frame(3);
+    Scene there = scene;
+    there.mesh = frame.mesh, there.spheres = frame.spheres, there.light = frame.light;
+    EXPECT_EQ(test::shade(*make(), there), updated);
+  }
+}
+
+TEST_P(EveryVariant, ReportsItsFootprint) {
+  const auto technique = make();
+  if (!technique) GTEST_SKIP();
+  technique->prepare(scene_for(GetParam().entry, false));
+  EXPECT_GT(technique->footprint().total(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, EveryVariant, testing::ValuesIn(all_cases()), readable);
+
+// One run per instruction set present.
+TEST(InstructionSets, AllAgree) {
+  const Registry registry = make_registry();
+  for (const Entry& entry : registry.entries()) {
+    if (entry.backend != "simd") continue;
+    const Scene scene = thinned(scene_for(entry, false), 16);
+    for (const Parameters& parameters : parameter_sets(entry)) {
+      std::unique_ptr<Technique> technique;
+      try {
+        technique = entry.make(parameters);
+      } catch (const Error&) {
+        continue;
+      }
+      const std::vector<vec3> best = test::shade(*technique, scene);
+      for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        EXPECT_LT(test::difference(test::shade(*technique, scene), best), 1e-6)
+            << entry.title() << " " << parameters.describe() << " on " << hwy::TargetName(target);
+        if (!technique->instruction_set().empty()) EXPECT_EQ(technique->instruction_set(), hwy::TargetName(target));
+        hwy::SetSupportedTargetsForTest(0);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
