@@ -19,8 +19,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 void initialise_once() {
   static const bool done = [] {
-    char program[] = "penumbra", interleave[] = "--benchmark_enable_random_interleaving=true";
-    char* arguments[] = {program, interleave, nullptr};
+    static char program[] = "penumbra", interleave[] = "--benchmark_enable_random_interleaving=true";
+    static char* arguments[] = {program, interleave, nullptr};  // kept by the library
     int count = 2;
     benchmark::Initialize(&count, arguments);
     return true;

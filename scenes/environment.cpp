@@ -195,16 +195,16 @@ Environment load_environment(const std::string& path, Layout layout) {
 }
 
 CubeMap<vec3> project(const Environment& environment, int n) {
-  const double c = std::cos(environment.rotation), s = std::sin(environment.rotation);
-  const bool turned = environment.rotation != 0.0;
-  const auto rotate = [=](dvec3 d) { return turned ? dvec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x) : d; };
   CubeMap<vec3> cube(n);
-  const auto run = [&](const auto& source) {
-    cube.texels = project_texels(source, environment.width, environment.height, environment.radiance, CubeMapping{n},
-                                 6 * n * n, rotate);
-  };
-  if (environment.mapping == Mapping::lat_long) run(environment.lat_long());
-  else run(environment.cube());
+  if (environment.mapping == Mapping::lat_long) {
+    cube.texels = project_lat_long(environment, n);
+  } else {
+    const double c = std::cos(environment.rotation), s = std::sin(environment.rotation);
+    const bool turned = environment.rotation != 0.0;
+    const auto rotate = [=](dvec3 d) { return turned ? dvec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x) : d; };
+    cube.texels = project_texels(environment.cube(), environment.width, environment.height, environment.radiance,
+                                 CubeMapping{n}, 6 * n * n, rotate);
+  }
   for (int i = 0; i < 6 * n * n; ++i) cube.texels[i] /= float(cube_texel_solid_angle(i, n));
   return cube;
 }

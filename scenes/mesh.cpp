@@ -4,6 +4,7 @@
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
+#include <cmath>
 #include <filesystem>
 
 #include "scenes/error.h"
@@ -55,6 +56,15 @@ void append_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& pa
   for (unsigned c = 0; c < node.mNumChildren; ++c) append_node(scene, *node.mChildren[c], to_world, out);
 }
 
+void reject_invalid(const aiScene& scene, const std::string& path) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m)
+    for (unsigned v = 0; v < scene.mMeshes[m]->mNumVertices; ++v) {
+      const aiVector3D p = scene.mMeshes[m]->mVertices[v];
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        throw Error("{}: vertex {} of part {} is not finite ({}, {}, {})", path, v, m, p.x, p.y, p.z);
+    }
+}
+
 }  // namespace
 
 Mesh load_mesh(const std::string& path) {
@@ -64,8 +74,12 @@ Mesh load_mesh(const std::string& path) {
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TEXCOORDS |
                                                           aiComponent_COLORS | aiComponent_MATERIALS |
                                                           aiComponent_TANGENTS_AND_BITANGENTS);
-  const aiScene* scene = importer.ReadFile(
-      path, aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene) {
+    reject_invalid(*scene, path);  // before joining: a NaN vertex compares equal to any other and would vanish
+    scene = importer.ApplyPostProcessing(aiProcess_RemoveComponent | aiProcess_Triangulate |
+                                         aiProcess_JoinIdenticalVertices);
+  }
   if (!scene || !scene->mRootNode)
     throw Error("{}: cannot be read as a mesh ({}); OBJ, PLY, 3DS and glTF are supported", path,
                 importer.GetErrorString());

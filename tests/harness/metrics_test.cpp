@@ -72,8 +72,11 @@ TEST(Metrics, SsimOfConstants) {
   const auto map = ssim_map(std::vector<float>(144, 0.5f), std::vector<float>(144, 0.25f), 12, 12);
   const double expected = (2 * 0.5 * 0.25 + 1e-4) / (0.25 + 0.0625 + 1e-4);
   int windows = 0;
-  for (const float v : map)
-    if (!std::isnan(v)) EXPECT_NEAR(v, expected, 1e-5), ++windows;
+  for (const float v : map) {
+    if (std::isnan(v)) continue;
+    EXPECT_NEAR(v, expected, 1e-5);
+    ++windows;
+  }
   EXPECT_EQ(windows, 4);
 }
 

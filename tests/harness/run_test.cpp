@@ -2,6 +2,7 @@
 #include "harness/run.h"
 
 #include "harness/results.h"
+#include "scenes/error.h"
 #include "tests/support.h"
 
 namespace penumbra {

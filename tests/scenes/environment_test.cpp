@@ -60,6 +60,15 @@ TEST(Environment, ProjectionFollowsTheFunction) {
     ASSERT_LT(glm::length(cube.texels[t] - pattern(dvec3(cube_texel_direction(t, 16)))), 0.03f) << t;
 }
 
+TEST(Environment, ConstantLatLongStaysConstantPerTexel) {
+  Environment e = environment_from_image({512, 256, std::vector<vec3>(512 * 256, vec3(1.0f))}, Layout::automatic, "test");
+  for (const double rotation : {0.0, 0.3, -2.0}) {
+    e.rotation = rotation;
+    for (const int n : {16, 32})
+      for (const vec3& texel : project(e, n).texels) ASSERT_NEAR(texel.x, 1.0f, 1e-3f) << n << " " << rotation;
+  }
+}
+
 TEST(Environment, ConstantCubeStaysExactlyConstant) {
   for (const int n : {16, 32, 64})
     for (const vec3& texel : project(test::constant_environment(), n).texels)

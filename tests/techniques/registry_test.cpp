@@ -28,7 +28,8 @@ TEST(Registry, UnknownNamesListWhatThereIs) {
 }
 
 TEST(Registry, EveryEntryIsDescribed) {
-  for (const Entry& e : make_registry().entries()) {
+  const Registry registry = make_registry();
+  for (const Entry& e : registry.entries()) {
     EXPECT_FALSE(e.summary.empty() || e.citation.empty()) << e.title();
     EXPECT_TRUE(e.lights.environment || e.lights.area) << e.title();
     for (const Parameter& p : e.parameters) {

@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include "harness/run.h"
+#include "scenes/error.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"
 
@@ -37,7 +38,8 @@ struct Case {
 
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
-  for (const Entry& entry : make_registry().entries()) {
+  const Registry registry = make_registry();
+  for (const Entry& entry : registry.entries()) {
     if (!entry.unavailable.empty()) continue;
     for (const Parameters& parameters : parameter_sets(entry)) cases.push_back({entry, parameters});
   }
