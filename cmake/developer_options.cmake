@@ -25,7 +25,8 @@ endif()
 
 if(PENUMBRA_SANITIZERS)
   target_compile_options(penumbra_options INTERFACE
-    -fsanitize=${PENUMBRA_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    -fsanitize=${PENUMBRA_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer
+    $<$<COMPILE_LANGUAGE:CXX>:-Wno-maybe-uninitialized>) # g++ mistakes instrumented std::function for uninitialised
   target_link_options(penumbra_options INTERFACE -fsanitize=${PENUMBRA_SANITIZERS})
 endif()
 

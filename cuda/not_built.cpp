@@ -3,6 +3,8 @@
 namespace penumbra {
 
 void register_cuda(Registry&) {}
-const char* cuda_status() { return "not built (configure with the preset cuda)"; }
+const char* cuda_status() {
+  return "not built (configure with the preset cuda)";
+}
 
 }  // namespace penumbra

@@ -27,16 +27,24 @@ void save(const std::string& path, Image image, const std::vector<bool>& valid) 
 }
 
 void list_as_json(const Registry& registry) {
-  nlohmann::json out = {{"techniques", nlohmann::json::array()}, {"cuda", cuda_status()},
-                        {"scenes", shipped_names("library")}, {"suites", shipped_names("suites")}};
+  nlohmann::json out = {{"techniques", nlohmann::json::array()},
+                        {"cuda", cuda_status()},
+                        {"scenes", shipped_names("library")},
+                        {"suites", shipped_names("suites")}};
   for (const Entry& e : registry.entries()) {
-    nlohmann::json entry = {{"name", e.name}, {"backend", e.backend}, {"summary", e.summary},
-                            {"citation", e.citation}, {"available", e.unavailable.empty()},
+    nlohmann::json entry = {{"name", e.name},
+                            {"backend", e.backend},
+                            {"summary", e.summary},
+                            {"citation", e.citation},
+                            {"available", e.unavailable.empty()},
                             {"reason", e.unavailable},
                             {"lights", {{"environment", e.lights.environment}, {"area", e.lights.area}}}};
     for (const Parameter& p : e.parameters)
-      entry["parameters"].push_back({{"name", p.name}, {"unit", p.unit}, {"default", to_string(p.fallback)},
-                                     {"allowed", p.range()}, {"meaning", p.meaning}});
+      entry["parameters"].push_back({{"name", p.name},
+                                     {"unit", p.unit},
+                                     {"default", to_string(p.fallback)},
+                                     {"allowed", p.range()},
+                                     {"meaning", p.meaning}});
     out["techniques"].push_back(entry);
   }
   fmt::print("{}\n", out.dump(1));
@@ -90,7 +98,8 @@ void reference(const ReferenceOptions& options) {
   Animation animation(scene);
   const Frame frame = animation.frame(0);
   if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
-  const Reference r = options.fresh ? compute_reference(frame, rung, settings) : cached_reference(frame, rung, settings);
+  const Reference r =
+      options.fresh ? compute_reference(frame, rung, settings) : cached_reference(frame, rung, settings);
   const auto valid = valid_receivers(frame.receivers);
   double energy = 0.0;
   std::size_t count = 0;

@@ -31,7 +31,8 @@ std::vector<float> filter(const std::vector<float>& image, int width, int height
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       double sum = 0.0;
-      for (int k = -ry; k <= ry; ++k) sum += vertical[k + ry] * rows[std::size_t(std::clamp(y + k, 0, height - 1)) * width + x];
+      for (int k = -ry; k <= ry; ++k)
+        sum += vertical[k + ry] * rows[std::size_t(std::clamp(y + k, 0, height - 1)) * width + x];
       out[std::size_t(y) * width + x] = float(sum);
     }
   });

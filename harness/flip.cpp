@@ -48,9 +48,12 @@ dvec3 to_lab(dvec3 rgb) {
   return {lightness, 0.01 * lightness * 500.0 * (fx - fy), 0.01 * lightness * 200.0 * (fy - fz)};
 }
 
-double hyab(dvec3 a, dvec3 b) { return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z); }
+double hyab(dvec3 a, dvec3 b) {
+  return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z);
+}
 
-/// Weight of a sensitivity term a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees: a Gaussian of sigma = sqrt(b / 2) / pi.
+/// Weight of a sensitivity term a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees: a Gaussian of sigma = sqrt(b / 2) /
+/// pi.
 struct Sensitivity {
   double a, b;
   double sigma() const { return std::sqrt(0.5 * b) / pi * pixels_per_degree; }
@@ -62,7 +65,8 @@ struct Sensitivity {
   static int radius() { return int(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * pi * pi)) * pixels_per_degree)); }
 };
 
-std::vector<float> perceived(const std::vector<float>& plane, int width, int height, const std::vector<Sensitivity>& terms) {
+std::vector<float> perceived(const std::vector<float>& plane, int width, int height,
+                             const std::vector<Sensitivity>& terms) {
   std::vector<double> sum(plane.size(), 0.0);
   double mass = 0.0;
   for (const Sensitivity& term : terms) {

@@ -17,6 +17,8 @@ void watch_interrupts() {
   std::signal(SIGTERM, ask);
 }
 
-bool interrupted() { return asked != 0; }
+bool interrupted() {
+  return asked != 0;
+}
 
 }  // namespace penumbra

@@ -113,7 +113,8 @@ std::vector<float> ssim_map(const std::vector<float>& a, const std::vector<float
     return p;
   };
   const auto mean = [&](const std::vector<float>& x) { return filter(x, width, height, window, window); };
-  const auto ma = mean(a), mb = mean(b), maa = mean(product(a, a)), mbb = mean(product(b, b)), mab = mean(product(a, b));
+  const auto ma = mean(a), mb = mean(b), maa = mean(product(a, a)), mbb = mean(product(b, b)),
+             mab = mean(product(a, b));
   std::vector<float> map(a.size(), std::numeric_limits<float>::quiet_NaN());
   const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
   for (int y = radius; y < height - radius; ++y)

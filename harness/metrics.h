@@ -18,8 +18,8 @@ inline constexpr std::array<const char*, 3> region_names = {"umbra", "penumbra",
 std::vector<Region> classify(const std::vector<vec3>& reference, const std::vector<vec3>& unshadowed,
                              const std::vector<bool>& valid);
 
-/// Errors over one set of receivers. Radiometric ones in linear radiance over all channels; ssim and flip on the tone-mapped
-/// image, absent where the image is too small for a window (vertex receivers).
+/// Errors over one set of receivers. Radiometric ones in linear radiance over all channels; ssim and flip on the
+/// tone-mapped image, absent where the image is too small for a window (vertex receivers).
 struct Errors {
   std::size_t receivers = 0;
   double rmse = 0.0;         ///< W m^-2 sr^-1
@@ -45,12 +45,13 @@ double exposure_for(const Image& reference, const std::vector<bool>& valid);
 /// Grey display image in [0, 1]: sRGB-encoded, exposed and clipped luminance.
 std::vector<float> display_luminance(const Image& image, double exposure);
 
-/// Structural similarity per pixel (Wang et al. 2004): 11 x 11 Gaussian window, sigma 1.5, K1 = 0.01, K2 = 0.03, range 1.
-/// Pixels closer than 5 to the border have no full window and are NaN. Empty if the image is smaller than 11 x 11.
+/// Structural similarity per pixel (Wang et al. 2004): 11 x 11 Gaussian window, sigma 1.5, K1 = 0.01, K2 = 0.03,
+/// range 1. Pixels closer than 5 to the border have no full window and are NaN. Empty if the image is smaller than 11
+/// x 11.
 std::vector<float> ssim_map(const std::vector<float>& a, const std::vector<float>& b, int width, int height);
 
-/// FLIP per pixel (Andersson et al. 2020, 67 pixels per degree) of HDR images at one fixed exposure factor with the ACES
-/// tone mapper of HDR-FLIP (Andersson et al. 2021).
+/// FLIP per pixel (Andersson et al. 2020, 67 pixels per degree) of HDR images at one fixed exposure factor with the
+/// ACES tone mapper of HDR-FLIP (Andersson et al. 2021).
 std::vector<float> flip_map(const Image& image, const Image& reference, double exposure);
 
 }  // namespace penumbra

@@ -10,7 +10,9 @@ namespace penumbra {
 Progress::Progress(int steps)
     : terminal_(isatty(STDERR_FILENO)), steps_(steps), start_(std::chrono::steady_clock::now()) {}
 
-Progress::~Progress() { clear(); }
+Progress::~Progress() {
+  clear();
+}
 
 void Progress::clear() {
   if (terminal_) fmt::print(stderr, "\r\033[K");

@@ -18,10 +18,14 @@ namespace penumbra {
 
 std::string to_string(Rung rung) {
   switch (rung) {
-    case Rung::truth: return "truth";
-    case Rung::r13x13: return "13x13";
-    case Rung::cube: return "cube";
-    default: return "spheres";
+    case Rung::truth:
+      return "truth";
+    case Rung::r13x13:
+      return "13x13";
+    case Rung::cube:
+      return "cube";
+    default:
+      return "spheres";
   }
 }
 
@@ -56,15 +60,22 @@ std::string inapplicable(const Frame& frame, Rung rung) {
 
 namespace {
 
-Image blank(const Receivers& r) { return {r.width, r.height, std::vector<vec3>(std::size_t(r.size()), vec3(0.0f))}; }
+Image blank(const Receivers& r) {
+  return {r.width, r.height, std::vector<vec3>(std::size_t(r.size()), vec3(0.0f))};
+}
 
 /// Adds rounds of independent stratified estimates until their mean is known well enough. The variance of the mean is
 /// that of the rounds over their number, so the gain of stratification counts.
 class TruthSampler {
  public:
   TruthSampler(const Frame& frame, Reference& out)
-      : frame_(frame), out_(out), rays_(frame.mesh), sampler_(frame.light),
-        sum_(out.mean.pixels.size(), dvec3(0.0)), squares_(sum_), open_(sum_) {}
+      : frame_(frame),
+        out_(out),
+        rays_(frame.mesh),
+        sampler_(frame.light),
+        sum_(out.mean.pixels.size(), dvec3(0.0)),
+        squares_(sum_),
+        open_(sum_) {}
 
   void round(int index) {
     const Receivers& r = frame_.receivers;
@@ -145,8 +156,8 @@ void compute_truth(const Frame& frame, const ReferenceSettings& settings, Refere
 constexpr int cells = 13;
 
 LightSample cell_sample(const AreaLight& light, const Receivers& r, int i, int cell) {
-  return sample_area(light, r.position[i], r.normal[i], (float(cell % cells) + 0.5f) / cells,
-                     (float(cell / cells) + 0.5f) / cells);
+  const int column = cell % cells, row = cell / cells;
+  return sample_area(light, r.position[i], r.normal[i], (float(column) + 0.5f) / cells, (float(row) + 0.5f) / cells);
 }
 
 void compute_13x13(const Frame& frame, Reference& out) {

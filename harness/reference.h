@@ -29,7 +29,7 @@ struct Reference {
   Rung rung = Rung::truth;
   Image mean, variance, unshadowed;
   int rays_per_receiver = 0;
-  double seconds = 0.0;      ///< time it took to compute (not to load)
+  double seconds = 0.0;  ///< time it took to compute (not to load)
   bool from_cache = false;
   /// Standard error of the whole image: RMS over valid receivers and channels, W m^-2 sr^-1.
   double noise(const std::vector<bool>& valid) const;
@@ -49,8 +49,8 @@ float visibility_13x13(const Frame& frame, int receiver);
 /// SHA-1 over everything a rung depends on.
 std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings& settings);
 
-/// From the cache folder if it holds a whole file with the right key; computed and stored otherwise. Cache files that are
-/// truncated, damaged or of another key are rebuilt with a warning. An unwritable cache is a warning, not an error.
+/// From the cache folder if it holds a whole file with the right key; computed and stored otherwise. Cache files that
+/// are truncated, damaged or of another key are rebuilt with a warning. An unwritable cache is a warning, not an error.
 Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings);
 
 /// $PENUMBRA_CACHE, else $XDG_CACHE_HOME/penumbra, else ~/.cache/penumbra.

@@ -53,8 +53,8 @@ std::string checksum(const std::vector<float>& values) {
   return OIIO::SHA1::digest(values.data(), values.size() * sizeof(float));
 }
 
-const std::vector<std::string> channels = {"R", "G", "B", "variance.R", "variance.G", "variance.B",
-                                           "unshadowed.R", "unshadowed.G", "unshadowed.B"};
+const std::vector<std::string> channels = {
+    "R", "G", "B", "variance.R", "variance.G", "variance.B", "unshadowed.R", "unshadowed.G", "unshadowed.B"};
 
 /// EXR files keep channels in alphabetical order; this brings back ours.
 void reorder(ChannelImage& file, const std::string& path) {

@@ -13,11 +13,13 @@ namespace {
 
 using nlohmann::json;
 
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+json number(double value) {
+  return std::isfinite(value) ? json(value) : json(nullptr);
+}
 
 json errors_json(const Errors& e) {
-  json out = {{"receivers", e.receivers}, {"rmse", e.rmse}, {"rel_rmse", e.rel_rmse}, {"psnr", number(e.psnr)},
-              {"max", e.max}, {"mean_signed", e.mean_signed}};
+  json out = {{"receivers", e.receivers}, {"rmse", e.rmse}, {"rel_rmse", e.rel_rmse},
+              {"psnr", number(e.psnr)},   {"max", e.max},   {"mean_signed", e.mean_signed}};
   out["ssim"] = e.ssim ? json(*e.ssim) : json(nullptr);
   out["flip"] = e.flip ? json(*e.flip) : json(nullptr);
   return out;
@@ -58,7 +60,9 @@ std::string Row::name() const {
   return text + "/threads:" + std::to_string(threads);
 }
 
-double Row::median_frame_ms() const { return median(frame_ms); }
+double Row::median_frame_ms() const {
+  return median(frame_ms);
+}
 
 double Row::truth_error() const {
   const auto at = errors.find("truth");
@@ -67,9 +71,16 @@ double Row::truth_error() const {
 
 json to_json(const Row& row) {
   const double frame = median(row.frame_ms);
-  json out = {{"name", row.name()}, {"run_name", row.name()}, {"run_type", "iteration"},
-              {"repetitions", row.frame_ms.size()}, {"repetition_index", 0}, {"threads", row.threads},
-              {"iterations", row.iterations}, {"real_time", frame}, {"cpu_time", frame}, {"time_unit", "ms"}};
+  json out = {{"name", row.name()},
+              {"run_name", row.name()},
+              {"run_type", "iteration"},
+              {"repetitions", row.frame_ms.size()},
+              {"repetition_index", 0},
+              {"threads", row.threads},
+              {"iterations", row.iterations},
+              {"real_time", frame},
+              {"cpu_time", frame},
+              {"time_unit", "ms"}};
   if (!row.ok()) out["error_occurred"] = true, out["error_message"] = row.status;
   out["status"] = row.status;
   out["scene"] = row.scene;
@@ -86,8 +97,8 @@ json to_json(const Row& row) {
   out["frame_ms"] = frame;
   out["samples"] = {{"update_ms", row.update_ms}, {"shade_ms", row.shade_ms}, {"frame_ms", row.frame_ms}};
   out["bytes"] = row.bytes.total();
-  out["footprint"] = {{"tables", row.bytes.tables}, {"per_scene", row.bytes.per_scene},
-                      {"per_frame", row.bytes.per_frame}};
+  out["footprint"] = {
+      {"tables", row.bytes.tables}, {"per_scene", row.bytes.per_scene}, {"per_frame", row.bytes.per_frame}};
   out["parity_rel_rmse"] = row.parity < 0 ? json(nullptr) : json(row.parity);
   out["errors"] = json::object();
   for (const auto& [rung, errors] : row.errors) {

@@ -21,18 +21,18 @@ struct Row {
   std::string technique, backend, instruction_set;
   Parameters parameters;
   int threads = 1;
-  std::string status = "ok";     ///< "ok", "failed: why", "skipped: why"
+  std::string status = "ok";  ///< "ok", "failed: why", "skipped: why"
   double prepare_ms = 0.0;
   long iterations = 0;
   std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
   Footprint bytes;
-  double parity = -1.0;          ///< relative RMSE against the scalar twin; -1: is scalar
+  double parity = -1.0;                      ///< relative RMSE against the scalar twin; -1: is scalar
   std::map<std::string, RungErrors> errors;  ///< by rung
 
   bool ok() const { return status == "ok"; }
-  std::string name() const;      ///< unique within a run
+  std::string name() const;  ///< unique within a run
   double median_frame_ms() const;
-  double truth_error() const;    ///< relative RMSE against truth; infinity if there is none
+  double truth_error() const;  ///< relative RMSE against truth; infinity if there is none
 };
 
 /// Google Benchmark's format: {"context": {...}, "benchmarks": [row, ...]}; our fields stand beside its own.
@@ -47,7 +47,8 @@ std::vector<Row> read_results(const std::string& directory);
 /// Markdown: per scene, rows by frame time and by error against truth; Pareto-optimal rows marked.
 std::string make_table(const std::vector<Row>& rows);
 
-/// Rows of one scene that no other row beats in both frame time and error (ties in error within the noise count as equal).
+/// Rows of one scene that no other row beats in both frame time and error (ties in error within the noise count as
+/// equal).
 std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows);
 
 /// Writes a text file beside its place and renames it.

@@ -14,13 +14,14 @@ struct RunOptions {
   bool resume = false;        ///< keep good rows of an earlier run with the same inputs
 };
 
-/// Returns the exit code: 0 good, 1 some row failed, 130 interrupted. Throws Error for wrong input before anything in the
-/// directory is touched. After every scene the results are on disk.
+/// Returns the exit code: 0 good, 1 some row failed, 130 interrupted. Throws Error for wrong input before anything in
+/// the directory is touched. After every scene the results are on disk.
 int run_suite(const Suite& suite, const Registry& registry, const RunOptions& options);
 
-/// Relative RMSE between a variant and its scalar twin on at most 32 x 32 of the scene's receivers; 0 for scalar itself or
-/// if there is no twin.
-double parity_with_scalar(const Registry& registry, const Entry& entry, const Parameters& parameters, const Scene& scene);
+/// Relative RMSE between a variant and its scalar twin on at most 32 x 32 of the scene's receivers; 0 for scalar itself
+/// or if there is no twin.
+double parity_with_scalar(const Registry& registry, const Entry& entry, const Parameters& parameters,
+                          const Scene& scene);
 
 /// Every stride-th receiver of a scene, so that at most `edge` x `edge` (or edge^2 in a row) are left.
 Scene thinned(const Scene& scene, int edge);

@@ -34,7 +34,8 @@ Image exposed(const Image& image, double exposure) {
 Image signed_error(const Image& image, const Image& reference, double exposure) {
   Image out{image.width, image.height, {}};
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const double e = std::clamp(4.0 * exposure * double(luminance(image.pixels[i]) - luminance(reference.pixels[i])), -1.0, 1.0);
+    const double e =
+        std::clamp(4.0 * exposure * double(luminance(image.pixels[i]) - luminance(reference.pixels[i])), -1.0, 1.0);
     const auto fade = float(1.0 - std::abs(e));
     out.pixels.push_back(e >= 0 ? vec3(1.0f, fade, fade) : vec3(fade, fade, 1.0f));
   }
@@ -49,8 +50,12 @@ int resolution_of(const Parameters& parameters) {
 }
 
 SceneRun::SceneRun(const Scene& scene, const Registry& registry, double truth_noise, std::string image_directory)
-    : scene_(scene), registry_(registry), image_directory_(std::move(image_directory)), animation_(scene),
-      frame_(animation_.frame(animation_.frames() / 3)), valid_(valid_receivers(frame_.receivers)) {
+    : scene_(scene),
+      registry_(registry),
+      image_directory_(std::move(image_directory)),
+      animation_(scene),
+      frame_(animation_.frame(animation_.frames() / 3)),
+      valid_(valid_receivers(frame_.receivers)) {
   settings_.truth_noise = truth_noise;
   key_ = reference_key(frame_, Rung::truth, settings_);
   if (!scene.spheres.empty()) key_ += "-" + reference_key(frame_, Rung::spheres, settings_);
@@ -138,7 +143,8 @@ SceneRun::Candidate SceneRun::check(const Variant& variant) const {
   if (!entry.unavailable.empty()) {
     c.row.status = "skipped: " + entry.unavailable;
   } else if (!entry.lights.accepts(scene_.light)) {
-    c.row.status = environment_of(scene_.light) ? "skipped: cannot shade an environment" : "skipped: cannot shade an area light";
+    c.row.status =
+        environment_of(scene_.light) ? "skipped: cannot shade an environment" : "skipped: cannot shade an area light";
   } else {
     try {
       c.technique = make_technique(entry, variant.parameters);

@@ -27,7 +27,8 @@ std::vector<ParameterValue> values_of(TomlReader& at, const std::string& key) {
     else if (n.is_string()) values.emplace_back(*n.value<std::string>());
     else at.fail(key, "must be a number, a string, or a list of these");
   };
-  if (const toml::array* list = node->as_array()) for (const toml::node& item : *list) add(item);
+  if (const toml::array* list = node->as_array())
+    for (const toml::node& item : *list) add(item);
   else add(*node);
   if (values.empty()) at.fail(key, "must not be empty");
   return values;

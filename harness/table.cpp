@@ -14,14 +14,14 @@ std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& a = *rows[i];
     optimal[i] = a.ok() && std::none_of(rows.begin(), rows.end(), [&](const Row* b) {
-      if (b == &a || !b->ok()) return false;
-      const auto at = a.errors.find("truth");
-      const double noise = at == a.errors.end() ? 0.0 : at->second.rel_noise;
-      // Below the noise nobody can tell two errors apart.
-      const double ea = std::max(a.truth_error(), noise), eb = std::max(b->truth_error(), noise);
-      const double ta = a.median_frame_ms(), tb = b->median_frame_ms();
-      return tb <= ta && eb <= ea && (tb < ta || eb < ea);
-    });
+                   if (b == &a || !b->ok()) return false;
+                   const auto at = a.errors.find("truth");
+                   const double noise = at == a.errors.end() ? 0.0 : at->second.rel_noise;
+                   // Below the noise nobody can tell two errors apart.
+                   const double ea = std::max(a.truth_error(), noise), eb = std::max(b->truth_error(), noise);
+                   const double ta = a.median_frame_ms(), tb = b->median_frame_ms();
+                   return tb <= ta && eb <= ea && (tb < ta || eb < ea);
+                 });
   }
   return optimal;
 }
@@ -49,24 +49,28 @@ std::string percent(const Row& row, const char* rung) {
   return error < noise ? fmt::format("< {:.2g} (tie)", noise) : fmt::format("{:.3g}", error);
 }
 
-std::string optional_number(const std::optional<double>& value) { return value ? fmt::format("{:.4f}", *value) : ""; }
+std::string optional_number(const std::optional<double>& value) {
+  return value ? fmt::format("{:.4f}", *value) : "";
+}
 
 void append_rows(const std::vector<const Row*>& rows, const std::vector<const Row*>& scene_rows, std::string& text) {
-  text += "| | technique | backend | parameters | threads | spheres | prepare ms | update ms | shade ms | frame ms | "
-          "MiB | truth % | cube % | spheres % | 13x13 % | signed | PSNR | SSIM | FLIP |\n"
-          "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  text +=
+      "| | technique | backend | parameters | threads | spheres | prepare ms | update ms | shade ms | frame ms | "
+      "MiB | truth % | cube % | spheres % | 13x13 % | signed | PSNR | SSIM | FLIP |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   const std::vector<bool> optimal = pareto_optimal(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& r = *rows[i];
     const auto at = r.errors.find("truth");
     const Errors all = at == r.errors.end() ? Errors{} : at->second.report.all;
     const std::string backend = r.instruction_set.empty() ? r.backend : r.backend + " " + r.instruction_set;
-    text += fmt::format("| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | **{:.3f}** | {:.1f} | {} | {} | {} | {} | {:+.2g} | {:.1f} | {} | {} |\n",
-                        optimal[i] ? "P" : "", r.technique, backend, telling_parameters(r, scene_rows), r.threads,
-                        r.spheres, r.prepare_ms, median(r.update_ms), median(r.shade_ms),
-                        r.median_frame_ms(), double(r.bytes.total()) / 1048576.0, percent(r, "truth"),
-                        percent(r, "cube"), percent(r, "spheres"), percent(r, "13x13"), all.mean_signed, all.psnr,
-                        optional_number(all.ssim), optional_number(all.flip));
+    text += fmt::format(
+        "| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | **{:.3f}** | {:.1f} | {} | {} | {} | {} | {:+.2g} "
+        "| {:.1f} | {} | {} |\n",
+        optimal[i] ? "P" : "", r.technique, backend, telling_parameters(r, scene_rows), r.threads, r.spheres,
+        r.prepare_ms, median(r.update_ms), median(r.shade_ms), r.median_frame_ms(), double(r.bytes.total()) / 1048576.0,
+        percent(r, "truth"), percent(r, "cube"), percent(r, "spheres"), percent(r, "13x13"), all.mean_signed, all.psnr,
+        optional_number(all.ssim), optional_number(all.flip));
   }
 }
 
@@ -77,8 +81,10 @@ std::string make_table(const std::vector<Row>& rows) {
   for (const Row& row : rows)
     if (std::find(scenes.begin(), scenes.end(), row.scene) == scenes.end()) scenes.push_back(row.scene);
   std::string text =
-      "Errors are relative RMSE in percent against each rung of the reference ladder; `(tie)`: below the reference's own "
-      "noise. `P`: no other row of the scene is both faster and nearer to the truth.\n`signed`: mean of image - truth in "
+      "Errors are relative RMSE in percent against each rung of the reference ladder; `(tie)`: below the reference's "
+      "own "
+      "noise. `P`: no other row of the scene is both faster and nearer to the truth.\n`signed`: mean of image - truth "
+      "in "
       "W m^-2 sr^-1 (positive leaks light, negative over-darkens). PSNR, SSIM and FLIP are against truth.\n";
   for (const std::string& scene : scenes) {
     std::vector<const Row*> good, bad;

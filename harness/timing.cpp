@@ -15,7 +15,9 @@ namespace penumbra {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 void initialise_once() {
   static const bool done = [] {
@@ -73,6 +75,7 @@ void run_repetition(benchmark::State& state, TimedItem& item, Animation& animati
 }  // namespace
 
 void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitions, const std::function<void()>& tick) {
+  if (items.empty()) return;
   initialise_once();
   benchmark::ClearRegisteredBenchmarks();
   std::vector<std::unique_ptr<Animation>> animations;  // each item sees its own sequence of frames
@@ -82,10 +85,15 @@ void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitio
     item.iterations = std::clamp(long(std::ceil(30.0 / std::max(item.estimate_ms, 1e-3))), 1L, 1000L);
     Animation& animation = *animations.emplace_back(std::make_unique<Animation>(scene));
     auto& image = images.emplace_back(std::size_t(scene.receivers.size()));
-    benchmark::RegisterBenchmark(item.name.c_str(), [&item, &animation, &image, &tick](benchmark::State& state) {
-      tick();
-      run_repetition(state, item, animation, image);
-    })->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(item.iterations)->Repetitions(repetitions);
+    benchmark::RegisterBenchmark(item.name.c_str(),
+                                 [&item, &animation, &image, &tick](benchmark::State& state) {
+                                   tick();
+                                   run_repetition(state, item, animation, image);
+                                 })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(item.iterations)
+        ->Repetitions(repetitions);
   }
   SilentReporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);

@@ -15,9 +15,9 @@ struct TimedItem {
   int threads = 1;
   double estimate_ms = 1.0;  ///< of a frame; sets how many frames make one repetition (at least 30 ms of them)
 
-  long iterations = 0;                                 ///< frames per repetition
-  std::vector<double> update_ms, shade_ms, frame_ms;   ///< one mean per repetition
-  std::string failure;                                 ///< empty, or what was thrown
+  long iterations = 0;                                ///< frames per repetition
+  std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
+  std::string failure;                                ///< empty, or what was thrown
 };
 
 /// Fills in the samples. `tick` is called before every repetition. Stops early when interrupted: items then have fewer

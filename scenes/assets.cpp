@@ -59,7 +59,7 @@ std::vector<std::string> shipped_names(const std::string& folder) {
 
 std::string shipped_file(const std::string& name, const std::string& folder) {
   if (fs::is_regular_file(name) || name.ends_with(".toml")) return name;
-  const std::string file = data_folder() + "/" + folder + "/" + name + ".toml";
+  std::string file = data_folder() + "/" + folder + "/" + name + ".toml";
   if (!fs::exists(file))
     throw Error("'{}' is neither a file nor shipped; shipped are: {}", name, fmt::join(shipped_names(folder), ", "));
   return file;

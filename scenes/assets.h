@@ -7,7 +7,7 @@
 namespace penumbra {
 
 struct Asset {
-  std::string name, kind;                    ///< kind: "mesh" or "environment"
+  std::string name, kind;  ///< kind: "mesh" or "environment"
   std::string file, package, licence;
 };
 

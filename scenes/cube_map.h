@@ -20,12 +20,18 @@ struct CubeMap {
 /// Direction of face coordinates s (to the right) and t (downward) in [-1, 1]; its longest component is 1.
 PENUMBRA_HD inline vec3 cube_direction(int face, float s, float t) {
   switch (face) {
-    case 0: return {1.0f, -t, -s};
-    case 1: return {-1.0f, -t, s};
-    case 2: return {s, 1.0f, t};
-    case 3: return {s, -1.0f, -t};
-    case 4: return {s, -t, 1.0f};
-    default: return {-s, -t, -1.0f};
+    case 0:
+      return {1.0f, -t, -s};
+    case 1:
+      return {-1.0f, -t, s};
+    case 2:
+      return {s, 1.0f, t};
+    case 3:
+      return {s, -1.0f, -t};
+    case 4:
+      return {s, -t, 1.0f};
+    default:
+      return {-s, -t, -1.0f};
   }
 }
 
@@ -62,7 +68,9 @@ PENUMBRA_HD inline int cube_texel(vec3 d, int n) {
 }
 
 /// Coordinate of the centre of column (or row) i.
-PENUMBRA_HD inline float cube_centre(int i, int n) { return float(2 * i + 1) / float(n) - 1.0f; }
+PENUMBRA_HD inline float cube_centre(int i, int n) {
+  return float(2 * i + 1) / float(n) - 1.0f;
+}
 
 /// Unit direction of a texel's centre.
 PENUMBRA_HD inline vec3 cube_texel_direction(int texel, int n) {

@@ -37,7 +37,9 @@ double CubeMapping::solid_angle(double x0, double x1, double y0, double y1) cons
   return cube_solid_angle(edge(x0), edge(x1), edge(y0 - face * n), edge(y1 - face * n));
 }
 
-int CubeMapping::texel(dvec3 d) const { return cube_texel(vec3(d), n); }
+int CubeMapping::texel(dvec3 d) const {
+  return cube_texel(vec3(d), n);
+}
 
 double Environment::solid_angle(int texel) const {
   const int x = texel % width, y = texel / width;
@@ -50,7 +52,8 @@ vec3 Environment::direction(int texel, float u, float v, float* pdf) const {
   dvec3 d;
   if (mapping == Mapping::lat_long) {
     const double sin0 = std::cos(pi * y / height), sin1 = std::cos(pi * (y + 1) / height);
-    const double sin_lat = sin0 + double(v) * (sin1 - sin0), cos_lat = std::sqrt(std::max(0.0, 1.0 - sin_lat * sin_lat));
+    const double sin_lat = sin0 + double(v) * (sin1 - sin0),
+                 cos_lat = std::sqrt(std::max(0.0, 1.0 - sin_lat * sin_lat));
     const double lon = pi - 2.0 * pi * (x + double(u)) / width;
     d = {std::sin(lon) * cos_lat, sin_lat, std::cos(lon) * cos_lat};
     if (pdf) *pdf = static_cast<float>(1.0 / solid_angle(texel));
@@ -96,8 +99,10 @@ Layout layout_of(const Image& image, const std::string& what) {
   if (w == 2 * h) return Layout::lat_long;
   if (4 * w == 3 * h && w % 3 == 0) return Layout::vertical_cross;
   if (w == 6 * h) return Layout::horizontal_strip;
-  throw Error("{}: {} x {} is no known environment layout; latitude-longitude is 2:1, a vertical cross 3:4, a strip "
-              "6:1, and a square angular map needs mapping = \"angular\"", what, w, h);
+  throw Error(
+      "{}: {} x {} is no known environment layout; latitude-longitude is 2:1, a vertical cross 3:4, a strip "
+      "6:1, and a square angular map needs mapping = \"angular\"",
+      what, w, h);
 }
 
 /// Faces of a vertical cross seen from inside, looking at -Z in its middle; `u` to the right and `v` downward in
@@ -186,7 +191,8 @@ Environment environment_from_image(Image image, Layout layout, const std::string
     case Layout::angular:
       if (w != h) throw Error("{}: an angular map is square, this is {} x {}", what, w, h);
       return from_angular(image);
-    default: return {Mapping::lat_long, w, h, std::move(image.pixels), 0.0};
+    default:
+      return {Mapping::lat_long, w, h, std::move(image.pixels), 0.0};
   }
 }
 

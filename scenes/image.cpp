@@ -27,7 +27,7 @@ void read_pixels(OIIO::ImageInput& input, const std::string& path, std::vector<f
     throw Error("{}: the image is damaged or cut short ({})", path, input.geterror());
 }
 
-void write(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* data) {
+void write(const std::string& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type, const void* data) {
   namespace fs = std::filesystem;
   const fs::path target(path);
   // The extension chooses the format, so it stays last.
@@ -90,7 +90,7 @@ void save_png(const std::string& path, const Image& image) {
   for (const vec3& p : image.pixels)
     for (int c = 0; c < 3; ++c) {
       const float v = p[c] > 0.0f ? std::min(p[c], 1.0f) : 0.0f;  // NaN becomes 0
-      bytes.push_back(static_cast<unsigned char>(srgb_encode(v) * 255.0f + 0.5f));
+      bytes.push_back(static_cast<unsigned char>(std::lround(srgb_encode(v) * 255.0f)));
     }
   write(path, OIIO::ImageSpec(image.width, image.height, 3, OIIO::TypeDesc::UINT8), OIIO::TypeDesc::UINT8,
         bytes.data());

@@ -16,8 +16,8 @@ struct AreaLight {
   vec3 normal{0, -1, 0};                  ///< unit; rectangle: along edge_u x edge_v
   vec3 radiance{1.0f};
 
-  double area() const;                    ///< m^2
-  vec3 point(float u, float v) const;     ///< equal areas of [0, 1]^2 are equal areas of the light (disc: Shirley 1997)
+  double area() const;                 ///< m^2
+  vec3 point(float u, float v) const;  ///< equal areas of [0, 1]^2 are equal areas of the light (disc: Shirley 1997)
 };
 
 AreaLight make_rectangle(vec3 centre, vec3 edge_u, vec3 edge_v, vec3 radiance);
@@ -25,7 +25,11 @@ AreaLight make_disc(vec3 centre, vec3 normal, float radius, vec3 radiance);
 
 using Light = std::variant<Environment, AreaLight>;
 
-inline const Environment* environment_of(const Light& light) { return std::get_if<Environment>(&light); }
-inline const AreaLight* area_light_of(const Light& light) { return std::get_if<AreaLight>(&light); }
+inline const Environment* environment_of(const Light& light) {
+  return std::get_if<Environment>(&light);
+}
+inline const AreaLight* area_light_of(const Light& light) {
+  return std::get_if<AreaLight>(&light);
+}
 
 }  // namespace penumbra

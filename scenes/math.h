@@ -20,7 +20,9 @@ using glm::vec3;
 inline constexpr double pi = 3.14159265358979323846;
 
 /// Relative luminance of linear Rec. 709 RGB.
-PENUMBRA_HD inline float luminance(vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
+PENUMBRA_HD inline float luminance(vec3 rgb) {
+  return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z;
+}
 
 /// A right-handed orthonormal frame about the unit vector n (Duff et al. 2017).
 PENUMBRA_HD inline void orthonormal_frame(vec3 n, vec3& tangent, vec3& bitangent) {

@@ -71,9 +71,8 @@ Mesh load_mesh(const std::string& path) {
   if (!std::filesystem::exists(path)) throw Error("{}: no such mesh file", path);
   Assimp::Importer importer;
   // Normals and texture coordinates split vertices at seams; without them equal positions are joined.
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TEXCOORDS |
-                                                          aiComponent_COLORS | aiComponent_MATERIALS |
-                                                          aiComponent_TANGENTS_AND_BITANGENTS);
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TEXCOORDS | aiComponent_COLORS |
+                                                          aiComponent_MATERIALS | aiComponent_TANGENTS_AND_BITANGENTS);
   const aiScene* scene = importer.ReadFile(path, 0);
   if (scene) {
     reject_invalid(*scene, path);  // before joining: a NaN vertex compares equal to any other and would vanish
@@ -98,8 +97,7 @@ void validate(const Mesh& mesh, const std::string& what) {
   }
   for (const uvec3& t : mesh.triangles)
     if (glm::any(glm::greaterThanEqual(t, uvec3(static_cast<unsigned>(mesh.positions.size())))))
-      throw Error("{}: a triangle names vertex {} of {}", what, std::max({t.x, t.y, t.z}),
-                  mesh.positions.size());
+      throw Error("{}: a triangle names vertex {} of {}", what, std::max({t.x, t.y, t.z}), mesh.positions.size());
 }
 
 Similarity fit_to(const Bounds& box, float height, bool on_ground) {

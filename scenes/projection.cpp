@@ -47,7 +47,7 @@ class Meridian {
 /// Source longitudes that bound strips: columns of the source and of the cube's side faces, from pi down to -pi.
 std::vector<double> strip_edges(const Environment& e, int n) {
   std::vector<double> edges;
-  const int parts = std::max(1, 2048 / e.width);  // thin enough for the corners of texels around the poles
+  const int parts = std::max(1, 8192 / e.width);  // thin enough for the corners of texels around the poles
   for (int x = 0; x <= e.width * parts; ++x) edges.push_back(pi - 2.0 * pi * x / (e.width * parts));
   for (int face = 0; face < 4; ++face)
     for (int k = 0; k < n; ++k) {
@@ -83,7 +83,8 @@ std::vector<vec3> project_lat_long(const Environment& e, int n) {
       }
   };
   const Sums sums = tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, edges.size() - 1, edges.size() / 8 + 1), Sums(std::size_t(6) * n * n, dvec3(0.0)),
+      tbb::blocked_range<std::size_t>(0, edges.size() - 1, edges.size() / 8 + 1),
+      Sums(std::size_t(6) * n * n, dvec3(0.0)),
       [&](const tbb::blocked_range<std::size_t>& strips, Sums energy) {
         Meridian meridian;
         for (std::size_t k = strips.begin(); k < strips.end(); ++k) add_strip(k, meridian, energy);

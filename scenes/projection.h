@@ -65,7 +65,8 @@ std::vector<vec3> project_texels(const Source& source, int width, int height, co
       [&](const tbb::blocked_range<int>& rows, Sums energy) {
         for (int y = rows.begin(); y < rows.end(); ++y)
           for (int x = 0; x < width; ++x)
-            if (const vec3 v = values[std::size_t(y) * width + x]; v != vec3(0.0f)) projector.add(dvec3(v), x, y, energy);
+            if (const vec3 v = values[std::size_t(y) * width + x]; v != vec3(0.0f))
+              projector.add(dvec3(v), x, y, energy);
         return energy;
       },
       [](Sums a, const Sums& b) {

@@ -101,9 +101,8 @@ void RayScene::build(const Mesh& mesh) {
   box_.high += 0.1f * lift_;
   if (!mesh.empty()) {
     RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* positions = static_cast<vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                                 RTC_FORMAT_FLOAT3, sizeof(vec3),
-                                                                 mesh.positions.size()));
+    auto* positions = static_cast<vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 sizeof(vec3), mesh.positions.size()));
     auto* triangles = static_cast<uvec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                                   sizeof(uvec3), mesh.triangles.size()));
     if (!positions || !triangles) throw Error("Embree has no memory for {} triangles", mesh.triangles.size());
@@ -175,7 +174,9 @@ unsigned RayScene::occluded(const RayPacket& packet, int count) const {
   return bits;
 }
 
-std::size_t RayScene::bytes() const { return std::size_t(std::max<ssize_t>(0, impl_->bytes)); }
+std::size_t RayScene::bytes() const {
+  return std::size_t(std::max<ssize_t>(0, impl_->bytes));
+}
 
 bool inside(const RayScene& scene, vec3 point) {
   int votes = 0;

@@ -9,10 +9,10 @@
 namespace penumbra {
 
 struct Hit {
-  float distance;      ///< along the (unit) direction; infinity if nothing was hit
-  unsigned triangle;   ///< index into the mesh's triangles
-  float u, v;          ///< barycentric weights of the triangle's second and third vertex
-  vec3 normal;         ///< geometric, not normalised, counter-clockwise side
+  float distance;     ///< along the (unit) direction; infinity if nothing was hit
+  unsigned triangle;  ///< index into the mesh's triangles
+  float u, v;         ///< barycentric weights of the triangle's second and third vertex
+  vec3 normal;        ///< geometric, not normalised, counter-clockwise side
   explicit operator bool() const { return distance < std::numeric_limits<float>::infinity(); }
 };
 

@@ -14,8 +14,8 @@ class RayScene;
 struct Receivers {
   int width = 0, height = 0;
   std::vector<vec3> position, normal, albedo;
-  std::vector<float> view_depth;           ///< distance to the camera, m; infinity where nothing is seen; camera only
-  std::vector<std::uint8_t> on_occluder;   ///< 1 where the point lies on the mesh: its own spheres are skipped there
+  std::vector<float> view_depth;          ///< distance to the camera, m; infinity where nothing is seen; camera only
+  std::vector<std::uint8_t> on_occluder;  ///< 1 where the point lies on the mesh: its own spheres are skipped there
 
   int size() const { return width * height; }
   bool valid(int i) const { return normal[i] != vec3(0.0f); }

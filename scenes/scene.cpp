@@ -14,20 +14,27 @@ vec3 turn_y(vec3 p, float angle) {
 vec3 moved(const Motion& motion, const Bounds& rest, vec3 p, float angle) {
   const float height = std::max(rest.extent().y, 1e-20f), h = (p.y - rest.low.y) / height;
   switch (motion.kind) {
-    case Motion::Kind::rigid: return turn_y(p, angle);
-    case Motion::Kind::twist: return turn_y(p, angle * h);
+    case Motion::Kind::rigid:
+      return turn_y(p, angle);
+    case Motion::Kind::twist:
+      return turn_y(p, angle * h);
     case Motion::Kind::bend: {  // about +z, from the ground up
       const float c = std::cos(angle * h), s = std::sin(angle * h);
       return {c * p.x - s * (p.y - rest.low.y), rest.low.y + s * p.x + c * (p.y - rest.low.y), p.z};
     }
-    default: return p;
+    default:
+      return p;
   }
 }
 
 }  // namespace
 
 Animation::Animation(const Scene& scene)
-    : scene_(scene), rest_(bounds(scene.mesh)), mesh_(scene.mesh), spheres_(scene.spheres), light_(scene.light),
+    : scene_(scene),
+      rest_(bounds(scene.mesh)),
+      mesh_(scene.mesh),
+      spheres_(scene.spheres),
+      light_(scene.light),
       receivers_(scene.receivers) {}
 
 Frame Animation::frame(int index) {
@@ -36,7 +43,8 @@ Frame Animation::frame(int index) {
   if (motion.kind == Motion::Kind::rotate_light) {
     changed.light = true;
     if (auto* environment = std::get_if<Environment>(&light_))
-      environment->rotation = environment_of(scene_.light)->rotation + double(motion.amount) * index / double(motion.period);
+      environment->rotation =
+          environment_of(scene_.light)->rotation + double(motion.amount) * index / double(motion.period);
     if (auto* area = std::get_if<AreaLight>(&light_)) {
       *area = *area_light_of(scene_.light);
       const float angle = motion.amount * float(index) / motion.period;

@@ -1,7 +1,7 @@
 #include "scenes/scene_file.h"
 
-#include <filesystem>
 #include <fmt/ranges.h>
+#include <filesystem>
 
 #include "scenes/assets.h"
 #include "scenes/shapes.h"
@@ -17,14 +17,15 @@ constexpr double tiny = 1e-6;
 std::string resolve(const TomlReader& at, const std::string& key, const std::string& name, const std::string& kind,
                     const char* built_in) {
   try {
-    if (const std::string file = asset_file(name, kind); !file.empty()) return file;
+    if (std::string file = asset_file(name, kind); !file.empty()) return file;
   } catch (const Error& e) {
     throw Error("{}: key '{}': {}", at.where(key), at.name(key), e.what());
   }
   const auto path = std::filesystem::path(at.file()).parent_path() / name;
   if (std::filesystem::exists(path)) return path.string();
   at.fail(key, fmt::format("is '{}': no such asset or file; allowed are the names {} and {}, or a path relative to "
-                           "the scene file", name, asset_names(kind), built_in));
+                           "the scene file",
+                           name, asset_names(kind), built_in));
 }
 
 template <class Load>
@@ -77,8 +78,7 @@ void read_occluder(TomlReader at, std::optional<int> spheres, Scene& scene) {
   if (auto fit = at.table("fit")) {
     if (scene.mesh.empty()) at.fail("fit", "needs a mesh");
     const double height = fit->number("height", tiny, huge).value_or(0.0);
-    const Similarity to_scene =
-        fit_to(bounds(scene.mesh), float(height), fit->boolean("on_ground").value_or(false));
+    const Similarity to_scene = fit_to(bounds(scene.mesh), float(height), fit->boolean("on_ground").value_or(false));
     for (vec3& p : scene.mesh.positions) p = to_scene(p);
     scene.spheres = transformed(std::move(scene.spheres), to_scene);
     fit->finish();
@@ -139,8 +139,10 @@ ReceiverSpec read_receivers(TomlReader at) {
 Layout read_layout(TomlReader& at) {
   const auto mapping = at.text("mapping");
   if (!mapping) return Layout::automatic;
-  const std::pair<const char*, Layout> names[] = {{"lat-long", Layout::lat_long}, {"cross", Layout::vertical_cross},
-                                                  {"strip", Layout::horizontal_strip}, {"angular", Layout::angular}};
+  const std::pair<const char*, Layout> names[] = {{"lat-long", Layout::lat_long},
+                                                  {"cross", Layout::vertical_cross},
+                                                  {"strip", Layout::horizontal_strip},
+                                                  {"angular", Layout::angular}};
   for (const auto& [name, layout] : names)
     if (*mapping == name) return layout;
   at.fail("mapping", "is '" + *mapping + "'; allowed are lat-long, cross, strip, angular");

@@ -28,7 +28,8 @@ void save_spheres(const std::string& path, const SphereSet& set);
 
 /// `count` spheres by k-means (Lloyd) of points inside the closed mesh, each with the radius of the ball that has its
 /// cluster's second moment, R = sqrt(5/3 * mean squared distance). Deterministic. Meshes too thin to hold points on a
-/// grid of 1/48 of their largest extent use their triangles' centroids. Throws Error if count < 1 or exceeds the points.
+/// grid of 1/48 of their largest extent use their triangles' centroids. Throws Error if count < 1 or exceeds the
+/// points.
 SphereSet fit_spheres(const Mesh& mesh, int count);
 
 }  // namespace penumbra

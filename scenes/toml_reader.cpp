@@ -36,7 +36,9 @@ const toml::node* TomlReader::node(const std::string& key) {
   return table_->get(key);
 }
 
-bool TomlReader::has(const std::string& key) { return node(key) != nullptr; }
+bool TomlReader::has(const std::string& key) {
+  return node(key) != nullptr;
+}
 
 std::optional<double> TomlReader::number(const std::string& key, double low, double high) {
   const toml::node* n = node(key);

@@ -14,11 +14,11 @@ std::string to_string(const ParameterValue& value);
 /// What a technique accepts under one name.
 struct Parameter {
   std::string name, unit, meaning;
-  ParameterValue fallback;                  ///< the default; its type is the parameter's type
-  double low = 0.0, high = 0.0;             ///< numbers: inclusive range
-  std::vector<ParameterValue> allowed = {}; ///< if not empty, one of these
+  ParameterValue fallback;                   ///< the default; its type is the parameter's type
+  double low = 0.0, high = 0.0;              ///< numbers: inclusive range
+  std::vector<ParameterValue> allowed = {};  ///< if not empty, one of these
 
-  std::string range() const;                ///< for messages and listings
+  std::string range() const;  ///< for messages and listings
 };
 
 Parameter integer_parameter(std::string name, int fallback, int low, int high, std::string unit, std::string meaning);

@@ -25,8 +25,7 @@ const Entry& Registry::find(const std::string& name, const std::string& backend)
     names.insert(entry.name);
     if (entry.name == name) backends.insert(entry.backend);
   }
-  if (backends.empty())
-    throw Error("unknown technique '{}'; known are: {}", name, fmt::join(names, ", "));
+  if (backends.empty()) throw Error("unknown technique '{}'; known are: {}", name, fmt::join(names, ", "));
   throw Error("technique '{}' has no backend '{}'; it has: {}", name, backend, fmt::join(backends, ", "));
 }
 

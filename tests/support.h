@@ -49,7 +49,9 @@ inline Scene sphere_scene(const std::vector<Sphere>& spheres, const Receivers& r
 }
 
 /// A sphere of angular radius `theta` (radians) at distance 1 in direction v from the origin.
-inline Sphere cap_sphere(vec3 v, double theta) { return {glm::normalize(v), float(std::sin(theta))}; }
+inline Sphere cap_sphere(vec3 v, double theta) {
+  return {glm::normalize(v), float(std::sin(theta))};
+}
 
 inline std::vector<vec3> shade(Technique& technique, const Scene& scene) {
   technique.prepare(scene);

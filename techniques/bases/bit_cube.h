@@ -9,8 +9,8 @@
 
 namespace penumbra {
 
-/// 6 n n bits; texel t is bit t % 32 of word t / 32. Sixteen words (512 texels) form a line, one cache line of 64 bytes:
-/// half a face at n = 32. n is 16, 32 or 64, so that lines do not cross faces.
+/// 6 n n bits; texel t is bit t % 32 of word t / 32. Sixteen words (512 texels) form a line, one cache line of 64
+/// bytes: half a face at n = 32. n is 16, 32 or 64, so that lines do not cross faces.
 struct BitCube {
   int n = 0;
   std::vector<std::uint32_t> words;
@@ -28,6 +28,8 @@ struct BitCube {
 };
 
 inline constexpr int texels_per_line = 512, words_per_line = 16;
-inline int lines_of(int n) { return 6 * n * n / texels_per_line; }
+inline int lines_of(int n) {
+  return 6 * n * n / texels_per_line;
+}
 
 }  // namespace penumbra

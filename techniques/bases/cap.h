@@ -16,7 +16,9 @@ struct Cap {
   float cosine;
 };
 
-PENUMBRA_HD inline float dot_in_order(vec3 a, vec3 b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
+PENUMBRA_HD inline float dot_in_order(vec3 a, vec3 b) {
+  return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
 
 PENUMBRA_HD inline Cap make_cap(vec3 centre, float radius, vec3 x) {
   const vec3 to = centre - x;

@@ -16,8 +16,8 @@ namespace penumbra {
 /// A direction (or a point of the light) and what it brings: the estimate of reflected radiance at albedo 1 is the mean
 /// of weight * V over samples, weight = L cos / (pi pdf).
 struct LightSample {
-  vec3 direction;   ///< unit, from receiver to light
-  float distance;   ///< to the light; infinity for environments
+  vec3 direction;  ///< unit, from receiver to light
+  float distance;  ///< to the light; infinity for environments
   vec3 weight;
   float reach() const { return distance * (1.0f - 1e-4f); }  ///< where a shadow ray ends
 };
@@ -73,8 +73,9 @@ class LightSampler {
   /// Environment: u = (i + jitter) / k. Area light: Hammersley points, randomly shifted (Cranley & Patterson 1976).
   void draw(vec3 position, vec3 normal, int k, std::uint64_t stream, Scratch& scratch) const;
 
-  /// Scales the samples of one normal, channel by channel, so that unoccluded they give exactly what arrives. The estimate becomes (exact unshadowed light) x (estimated share that is visible), the ratio estimator of
-  /// Heitz et al. 2018: no noise where nothing is in the way, a bias of order 1 / k elsewhere.
+  /// Scales the samples of one normal, channel by channel, so that unoccluded they give exactly what arrives. The
+  /// estimate becomes (exact unshadowed light) x (estimated share that is visible), the ratio estimator of Heitz et al.
+  /// 2018: no noise where nothing is in the way, a bias of order 1 / k elsewhere.
   static void normalise(vec3 unshadowed, std::vector<LightSample>& samples);
   /// Environments: reflected radiance at albedo 1 without any occluder.
   vec3 unshadowed(vec3 normal) const { return environment_.unshadowed(normal); }
@@ -88,8 +89,8 @@ class LightSampler {
 
 class RayScene;
 
-/// Mean of weight * V over the samples of a receiver: reflected radiance at albedo 1, one ray after the other. Light that
-/// arrives from below the horizon costs no ray.
+/// Mean of weight * V over the samples of a receiver: reflected radiance at albedo 1, one ray after the other. Light
+/// that arrives from below the horizon costs no ray.
 vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples);
 
 /// Light from the point (u, v) in [0, 1]^2 of an area light; weight 0 from behind either surface.

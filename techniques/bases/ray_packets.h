@@ -10,8 +10,8 @@
 
 namespace penumbra {
 
-/// Collects rays, drops those that miss the mesh's box, and traces the rest in full packets of 16, so that no lane idles.
-/// `done(tag, hit)` is called once for every ray, not in the order of arrival.
+/// Collects rays, drops those that miss the mesh's box, and traces the rest in full packets of 16, so that no lane
+/// idles. `done(tag, hit)` is called once for every ray, not in the order of arrival.
 template <class Tag, class Done>
 class RayQueue {
  public:

@@ -21,15 +21,16 @@ void rasterise_spheres(const SphereSet& spheres, vec3 x, const std::vector<vec3>
   }
 }
 
-void SphereTable::Free::operator()(std::uint32_t* p) const { std::free(p); }
+void SphereTable::Free::operator()(std::uint32_t* p) const {
+  std::free(p);
+}
 
 SphereTable::SphereTable(int n, RadiusBins scheme) : n_(n) {
   if (n != 16 && n != 32) throw Error("sphere table: resolution {} is not 16 or 32", n);
   for (int k = 0; k < bins; ++k) {
     const double half = 0.5 * pi;
     const double upper = scheme == RadiusBins::uniform_angle ? std::sin(half * (k + 1) / bins) : (k + 1.0) / bins;
-    const double middle =
-        scheme == RadiusBins::uniform_angle ? half * (k + 0.5) / bins : std::asin((k + 0.5) / bins);
+    const double middle = scheme == RadiusBins::uniform_angle ? half * (k + 0.5) / bins : std::asin((k + 0.5) / bins);
     thresholds_[k] = k + 1 < bins ? float(upper) : 2.0f;
     cosines_[k] = float(std::cos(middle));
   }

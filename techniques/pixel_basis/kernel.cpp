@@ -7,8 +7,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "techniques/pixel_basis/kernel.cpp"
-#include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -50,7 +50,8 @@ HWY_INLINE void BlockEverything(Blocked& blocked, int lines) {
 
 constexpr int chunk = 64;  // look-ups computed ahead of the merge, so that prefetches have time to arrive
 
-/// Table entries of spheres [first, first + chunk): SphereTable::entry for many spheres at once, operation by operation.
+/// Table entries of spheres [first, first + chunk): SphereTable::entry for many spheres at once, operation by
+/// operation.
 HWY_INLINE void FindEntries(const Job& job, int first, int count, vec3 x, std::int32_t* entries) {
   const Floats d;
   const Ints di;
@@ -92,7 +93,8 @@ HWY_INLINE void FindEntries(const Job& job, int first, int count, vec3 x, std::i
     const auto axis = hn::IfThenElse(hn::RebindMask(di, on_x), hn::Zero(di),
                                      hn::IfThenElse(hn::RebindMask(di, on_y), hn::Set(di, 2), hn::Set(di, 4)));
     const auto face = hn::Add(axis, hn::IfThenElse(hn::RebindMask(di, positive), hn::Zero(di), hn::Set(di, 1)));
-    const auto texel = hn::Add(hn::Mul(hn::Add(hn::Mul(face, hn::Set(di, n)), to_index(v)), hn::Set(di, n)), to_index(u));
+    const auto texel =
+        hn::Add(hn::Mul(hn::Add(hn::Mul(face, hn::Set(di, n)), to_index(v)), hn::Set(di, n)), to_index(u));
     auto entry = hn::Add(hn::Mul(texel, hn::Set(di, SphereTable::bins)), bin);
     entry = hn::IfThenElse(hn::RebindMask(di, hn::Lt(r2, d2)), entry, hn::Set(di, -1));
     entry = hn::IfThenElse(hn::RebindMask(di, hn::Gt(r2, zero)), entry, hn::Set(di, -2));
@@ -141,8 +143,8 @@ HWY_INLINE void RowRange(float b, float w, float sine, int n, int& low, int& hig
   high = std::min(n, int(std::ceil(((b * w + root) / denominator + 1.0f) * half_n + 1.5f)));
 }
 
-/// Do the cap and a line's bounding cone (angular radii theta and rho) share a direction? They do when the angle between
-/// the axes is at most theta + rho; always when that exceeds pi. Errs on the side of yes.
+/// Do the cap and a line's bounding cone (angular radii theta and rho) share a direction? They do when the angle
+/// between the axes is at most theta + rho; always when that exceeds pi. Errs on the side of yes.
 HWY_INLINE bool ConesMeet(const Cap& cap, float sine, vec3 axis, float line_cosine, float line_sine) {
   const float sine_of_sum = sine * line_cosine + cap.cosine * line_sine;
   const float cosine_of_sum = cap.cosine * line_cosine - sine * line_sine;
@@ -208,8 +210,7 @@ HWY_INLINE void AddWord(const std::vector<float>* weights, int t, std::uint32_t 
     const std::uint32_t part = bits >> k;
     std::memcpy(bytes, &part, sizeof part);
     const auto blocked = hn::LoadMaskBits(d, bytes);
-    for (int c = 0; c < 3; ++c)
-      sum[c] = hn::Add(sum[c], hn::IfThenZeroElse(blocked, hn::LoadU(d, &weights[c][t + k])));
+    for (int c = 0; c < 3; ++c) sum[c] = hn::Add(sum[c], hn::IfThenZeroElse(blocked, hn::LoadU(d, &weights[c][t + k])));
   }
 }
 
@@ -265,8 +266,8 @@ HWY_INLINE vec3 SumCosine(const LightLanes& light, vec3 normal, std::uint64_t ac
         std::memcpy(bytes, &part, sizeof part);
         const VF cosine = hn::IfThenZeroElse(hn::LoadMaskBits(d, bytes), hn::Max(dot, zero));
         for (int c = 0; c < 3; ++c)
-          sum[c] = hn::Add(sum[c], hn::IfThenElseZero(hn::Gt(cosine, zero),
-                                                      hn::Mul(cosine, hn::LoadU(d, &light.energy[c][t]))));
+          sum[c] = hn::Add(
+              sum[c], hn::IfThenElseZero(hn::Gt(cosine, zero), hn::Mul(cosine, hn::LoadU(d, &light.energy[c][t]))));
       }
     }
   }
@@ -304,12 +305,14 @@ void Shade(const Job& job, int begin, int end, vec3* radiance) {
       if (job.table) MergeTable(job, r.position[i], active, lines, blocked);
       else RasteriseSpheres(job, r.position[i], active, lines, blocked);
     }
-    radiance[i] = r.albedo[i] * (weights ? SumWeights(*weights, blocked)
-                                         : SumCosine(*job.light, r.normal[i], active, blocked));
+    radiance[i] =
+        r.albedo[i] * (weights ? SumWeights(*weights, blocked) : SumCosine(*job.light, r.normal[i], active, blocked));
   }
 }
 
-const char* Target() { return hwy::TargetName(HWY_TARGET); }
+const char* Target() {
+  return hwy::TargetName(HWY_TARGET);
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace penumbra::pixel_basis
@@ -325,7 +328,9 @@ void shade(const Job& job, int begin, int end, vec3* radiance) {
   HWY_DYNAMIC_DISPATCH(Shade)(job, begin, end, radiance);
 }
 
-std::string target() { return HWY_DYNAMIC_DISPATCH(Target)(); }
+std::string target() {
+  return HWY_DYNAMIC_DISPATCH(Target)();
+}
 
 }  // namespace penumbra::pixel_basis
 #endif  // HWY_ONCE

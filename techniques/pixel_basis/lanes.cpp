@@ -31,7 +31,8 @@ void LightLanes::assign(const CubeLight& light) {
     float cosine = 1.0f;
     for (int t = first; t < first + texels_per_line; ++t) axis += light.directions[t];
     axis = glm::normalize(axis);
-    for (int t = first; t < first + texels_per_line; ++t) cosine = std::min(cosine, glm::dot(axis, light.directions[t]));
+    for (int t = first; t < first + texels_per_line; ++t)
+      cosine = std::min(cosine, glm::dot(axis, light.directions[t]));
     cosine = std::max(-1.0f, cosine - 1e-5f);
     line_axis.push_back(axis);
     line_cosine.push_back(cosine);

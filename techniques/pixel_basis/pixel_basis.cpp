@@ -33,8 +33,7 @@ class PixelBasis : public Technique {
   }
 
   void prepare(const Scene& scene) override {
-    if (visibility_ != Visibility::rays && scene.spheres.empty())
-      throw Unsupported("the scene has no spheres");
+    if (visibility_ != Visibility::rays && scene.spheres.empty()) throw Unsupported("the scene has no spheres");
     if (visibility_ == Visibility::rays) rays_.build(scene.mesh);
     if (visibility_ == Visibility::table) table_.emplace(n_, bins_);
     receivers_ = &scene.receivers;
@@ -65,7 +64,8 @@ class PixelBasis : public Technique {
  protected:
   void find_blocked(int i, BitCube& blocked) const {
     const vec3 x = receivers_->position[i];
-    if (visibility_ == Visibility::rays) trace_texels(rays_, x, receivers_->normal[i], light_.directions, false, blocked);
+    if (visibility_ == Visibility::rays)
+      trace_texels(rays_, x, receivers_->normal[i], light_.directions, false, blocked);
     else if (receivers_->on_occluder[i]) return;  // an object's own spheres swallow its surface
     else if (visibility_ == Visibility::raster) rasterise_spheres(*spheres_, x, light_.directions, blocked);
     else merge_spheres(*table_, *spheres_, x, blocked);
@@ -101,8 +101,13 @@ class PixelBasisSimd final : public PixelBasis {
   }
 
   void shade(View<vec3> radiance) override {
-    const pixel_basis::Job job{receivers_, &sphere_lanes_, &light_lanes_, table_ ? &*table_ : nullptr,
-                               visibility_ == Visibility::rays ? &rays_ : nullptr, &light_.directions, &weights_,
+    const pixel_basis::Job job{receivers_,
+                               &sphere_lanes_,
+                               &light_lanes_,
+                               table_ ? &*table_ : nullptr,
+                               visibility_ == Visibility::rays ? &rays_ : nullptr,
+                               &light_.directions,
+                               &weights_,
                                &normals_.index};
     tbb::parallel_for(tbb::blocked_range<int>(0, receivers_->size(), 64), [&](const tbb::blocked_range<int>& range) {
       pixel_basis::shade(job, range.begin(), range.end(), radiance.data);

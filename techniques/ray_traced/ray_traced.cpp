@@ -2,9 +2,9 @@
 // radiance x cosine (environments) or area (lamps); see bases/light_sampling.h. The seed is a parameter: the same seed
 // gives the same image.
 //
-// Choosing a direction costs more than tracing it, so receivers that share a normal share 64 sets of directions, made in
-// update(); an 8 x 8 pattern of receivers uses each once (interleaved sampling, Keller & Heidrich 2001). These sets can
-// afford the ratio estimator (Heitz et al. 2018): unshadowed light exactly, its visible share by sampling.
+// Choosing a direction costs more than tracing it, so receivers that share a normal share 64 sets of directions, made
+// in update(); an 8 x 8 pattern of receivers uses each once (interleaved sampling, Keller & Heidrich 2001). These sets
+// can afford the ratio estimator (Heitz et al. 2018): unshadowed light exactly, its visible share by sampling.
 //   scalar: one rtcOccluded1 a ray, receivers in order.
 //   simd:   the same rays; ray j of 4 x 4 neighbours in one packet of 16, tiles in parallel.
 #include "techniques/ray_traced/ray_traced.h"
@@ -24,7 +24,8 @@ using SampleSet = std::vector<LightSample>;
 
 class RayTraced : public Technique {
  public:
-  explicit RayTraced(const Parameters& p) : count_(p.integer("rays")), seed_(std::uint64_t(p.integer("seed"))), ratio_(p.text("estimator") == "ratio") {}
+  explicit RayTraced(const Parameters& p)
+      : count_(p.integer("rays")), seed_(std::uint64_t(p.integer("seed"))), ratio_(p.text("estimator") == "ratio") {}
 
   void prepare(const Scene& scene) override {
     rays_.build(scene.mesh);
@@ -43,8 +44,8 @@ class RayTraced : public Technique {
       radiance[i] = vec3(0.0f);
       if (!receivers_->valid(i)) continue;
       const SampleSet& samples = samples_of(i, scratch);
-      radiance[i] = receivers_->albedo[i] *
-                    estimate_radiance(rays_, receivers_->position[i], receivers_->normal[i], samples);
+      radiance[i] =
+          receivers_->albedo[i] * estimate_radiance(rays_, receivers_->position[i], receivers_->normal[i], samples);
     }
   }
 
@@ -142,10 +143,11 @@ void register_ray_traced(Registry& registry) {
     entry.summary = "k shadow rays per receiver, importance-sampled by light x cosine";
     entry.citation = "Clarberg & Jarosz 2005; Keller & Heidrich 2001; Wald et al. 2014 (Embree)";
     entry.lights = {true, true};
-    entry.parameters = {integer_parameter("rays", 64, 1, 65536, "rays", "shadow rays per receiver"),
-                        integer_parameter("seed", 1, 0, 1 << 30, "", "same seed, same image"),
-                        choice_parameter("estimator", {"ratio", "plain"},
-                                         "ratio: exact unshadowed light x sampled visible share, where normals are shared")};
+    entry.parameters = {
+        integer_parameter("rays", 64, 1, 65536, "rays", "shadow rays per receiver"),
+        integer_parameter("seed", 1, 0, 1 << 30, "", "same seed, same image"),
+        choice_parameter("estimator", {"ratio", "plain"},
+                         "ratio: exact unshadowed light x sampled visible share, where normals are shared")};
     if (packets) entry.make = [](const Parameters& p) { return std::make_unique<RayTracedPackets>(p); };
     else entry.make = [](const Parameters& p) { return std::make_unique<RayTraced>(p); };
     entry.parity = 1e-3;  // Embree's packet and single-ray traversals may round an edge differently

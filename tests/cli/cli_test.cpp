@@ -23,7 +23,8 @@ class CommandLine : public testing::Test {
     const std::string command = "PENUMBRA_CACHE=" + folder_.path() + "/cache " PENUMBRA_PROGRAM " " + arguments + " >" +
                                 folder_.path() + "/out.txt 2>" + folder_.path() + "/err.txt";
     const int status = std::system(command.c_str());
-    return {WEXITSTATUS(status), test::read_text(folder_.path() + "/out.txt"), test::read_text(folder_.path() + "/err.txt")};
+    return {WEXITSTATUS(status), test::read_text(folder_.path() + "/out.txt"),
+            test::read_text(folder_.path() + "/err.txt")};
   }
   void expect_error(const std::string& arguments, const std::string& part) const {
     const Outcome o = run(arguments);
@@ -32,8 +33,10 @@ class CommandLine : public testing::Test {
     EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
   }
   std::string tiny_scene() const {
-    return folder_.write("tiny.toml", "name = \"tiny\"\n[occluder]\nmesh = \"box\"\nspheres = 4\n[receivers]\n"
-                                      "plane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n[light]\nenvironment = \"constant\"\n");
+    return folder_.write(
+        "tiny.toml",
+        "name = \"tiny\"\n[occluder]\nmesh = \"box\"\nspheres = 4\n[receivers]\n"
+        "plane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n[light]\nenvironment = \"constant\"\n");
   }
   test::TemporaryFolder folder_;
 };
@@ -47,7 +50,8 @@ TEST_F(CommandLine, ListsInBothForms) {
 
 TEST_F(CommandLine, RendersReferencesAndFits) {
   const std::string scene = tiny_scene();
-  EXPECT_EQ(run("render " + scene + " --technique pixel-basis -p visibility=raster -o " + folder_.path() + "/a.exr").code, 0);
+  EXPECT_EQ(
+      run("render " + scene + " --technique pixel-basis -p visibility=raster -o " + folder_.path() + "/a.exr").code, 0);
   EXPECT_EQ(load_image(folder_.path() + "/a.exr").width, 16);
   EXPECT_EQ(run("reference " + scene + " --rung cube -o " + folder_.path() + "/c.png").code, 0);
   EXPECT_NE(run("reference " + scene + " --rung cube").out.find("from the cache"), std::string::npos);
@@ -74,11 +78,14 @@ TEST_F(CommandLine, MistakesAreOneLineAndCodeTwo) {
 }
 
 TEST_F(CommandLine, InterruptedRunsKeepFinishedRowsAndResume) {
-  folder_.write("other.toml", "name = \"other\"\n[occluder]\nmesh = \"box\"\nspheres = 4\n[receivers]\n"
-                              "plane = { half_extent = 1.0, resolution = 96, y = -1.0 }\n[light]\nenvironment = \"constant\"\n");
+  folder_.write("other.toml",
+                "name = \"other\"\n[occluder]\nmesh = \"box\"\nspheres = 4\n[receivers]\n"
+                "plane = { half_extent = 1.0, resolution = 96, y = -1.0 }\n[light]\nenvironment = \"constant\"\n");
   const std::string suite = folder_.write(
-      "suite.toml", "name = \"s\"\nscenes = [\"" + tiny_scene() + "\", \"" + folder_.path() + "/other.toml\"]\ntruth_noise = 0.05\nrepetitions = 200\n"
-                    "[[technique]]\nname = \"pixel-basis\"\nbackend = \"simd\"\nparameters = { visibility = \"raster\" }\n");
+      "suite.toml",
+      "name = \"s\"\nscenes = [\"" + tiny_scene() + "\", \"" + folder_.path() +
+          "/other.toml\"]\ntruth_noise = 0.05\nrepetitions = 200\n"
+          "[[technique]]\nname = \"pixel-basis\"\nbackend = \"simd\"\nparameters = { visibility = \"raster\" }\n");
   const std::string out = folder_.path() + "/out";
   const pid_t child = fork();
   if (child == 0) {

@@ -55,7 +55,8 @@ TEST(Metrics, InvalidReceiversDoNotCount) {
 
 TEST(Metrics, RegionsGoByTheShareThatArrives) {
   const std::vector<vec3> open(5, vec3(2.0f));
-  const auto regions = classify({vec3(0.02f), vec3(1), vec3(1.99f), vec3(0), vec3(1)}, open, {true, true, true, true, false});
+  const auto regions =
+      classify({vec3(0.02f), vec3(1), vec3(1.99f), vec3(0), vec3(1)}, open, {true, true, true, true, false});
   EXPECT_EQ(regions, (std::vector<Region>{Region::umbra, Region::penumbra, Region::lit, Region::umbra, Region::none}));
   EXPECT_EQ(classify({vec3(0)}, {vec3(0)}, {true})[0], Region::none) << "no light, no shadow";
 }

@@ -51,7 +51,8 @@ TEST(Reference, CubeIsPixelBasisWithRays) {
   const Scene scene = thinned(load_scene("torus-knot-sunset"), 16);
   const Reference cube = compute(scene, Rung::cube);
   for (const char* backend : {"scalar", "simd"})
-    EXPECT_LT(test::difference(test::shade("pixel-basis", backend, {"visibility=rays"}, scene), cube.mean.pixels), 1e-6);
+    EXPECT_LT(test::difference(test::shade("pixel-basis", backend, {"visibility=rays"}, scene), cube.mean.pixels),
+              1e-6);
 }
 
 TEST(Reference, SpheresIsPixelBasisWithExactCaps) {
@@ -61,8 +62,11 @@ TEST(Reference, SpheresIsPixelBasisWithExactCaps) {
     settings.resolution = n;
     const Reference spheres = compute(scene, Rung::spheres, settings);
     for (const char* backend : {"scalar", "simd"})
-      EXPECT_LT(test::difference(test::shade("pixel-basis", backend, {"visibility=raster", "resolution=" + std::to_string(n)}, scene),
-                                 spheres.mean.pixels), 1e-6) << n;
+      EXPECT_LT(test::difference(test::shade("pixel-basis", backend,
+                                             {"visibility=raster", "resolution=" + std::to_string(n)}, scene),
+                                 spheres.mean.pixels),
+                1e-6)
+          << n;
   }
 }
 

@@ -36,8 +36,9 @@ TEST(Results, RowsRoundTripThroughJson) {
 
 TEST(Results, RowsHaveTheAgreedFieldsAndGoogleBenchmarks) {
   const auto json = to_json(row_with("a", 10, 0.1));
-  for (const char* key : {"technique", "backend", "scene", "parameters", "prepare_ms", "update_ms", "shade_ms", "frame_ms",
-                          "bytes", "errors", "status", "name", "run_type", "iterations", "real_time", "time_unit"})
+  for (const char* key :
+       {"technique", "backend", "scene", "parameters", "prepare_ms", "update_ms", "shade_ms", "frame_ms", "bytes",
+        "errors", "status", "name", "run_type", "iterations", "real_time", "time_unit"})
     EXPECT_TRUE(json.contains(key)) << key;
   for (const char* key : {"rmse", "rel_rmse", "psnr", "ssim", "flip", "max", "mean_signed", "noise", "regions"})
     EXPECT_TRUE(json["errors"]["truth"].contains(key)) << key;
@@ -54,7 +55,8 @@ TEST(Results, MedianIsTheMiddle) {
 TEST(Results, ParetoRowsAreNotBeaten) {
   Row failed = row_with("f", 0.1, 0.0);
   failed.status = "failed: x";
-  const std::vector<Row> rows = {row_with("fast", 2, 0.5), row_with("good", 20, 0.1), row_with("beaten", 21, 0.2), failed};
+  const std::vector<Row> rows = {row_with("fast", 2, 0.5), row_with("good", 20, 0.1), row_with("beaten", 21, 0.2),
+                                 failed};
   EXPECT_EQ(pareto_optimal({&rows[0], &rows[1], &rows[2], &rows[3]}), (std::vector<bool>{true, true, false, false}));
 }
 

@@ -19,7 +19,8 @@ class Fake : public Technique {
   void update(const Frame&) override { ++frames_; }
   void shade(View<vec3> radiance) override {
     if (mode_ == "throws-later" && frames_ > 3) throw std::runtime_error("tired");
-    for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] = vec3(mode_ == "wrong" ? 0.9f : mode_ == "nan" ? NAN : 1.0f);
+    for (std::size_t i = 0; i < radiance.size(); ++i)
+      radiance[i] = vec3(mode_ == "wrong" ? 0.9f : mode_ == "nan" ? NAN : 1.0f);
   }
   Footprint footprint() const override { return {1, 2, 3}; }
 
@@ -40,8 +41,10 @@ class Runs : public testing::Test {
  protected:
   Runs() {
     setenv("PENUMBRA_CACHE", (folder_.path() + "/cache").c_str(), 1);
-    scene_ = folder_.write("scene.toml", "name = \"tiny\"\n[occluder]\nmesh = \"box\"\n[receivers]\nplane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n"
-                                         "[light]\nenvironment = \"constant\"\n");
+    scene_ = folder_.write("scene.toml",
+                           "name = \"tiny\"\n[occluder]\nmesh = \"box\"\n[receivers]\nplane = { half_extent = 1.0, "
+                           "resolution = 16, y = -1.0 }\n"
+                           "[light]\nenvironment = \"constant\"\n");
     for (const char* mode : {"good", "throws", "throws-later", "nan", "unsupported"})
       registry_.add(fake(mode, "scalar", mode));
     registry_.add(fake("good", "simd", "wrong"));
@@ -94,8 +97,14 @@ TEST_F(Runs, GoodRowsAreMeasuredAndWritten) {
 }
 
 TEST_F(Runs, FailuresAreRowsAndTheRunGoesOn) {
-  EXPECT_EQ(run(suite_text({{"throws", "scalar"}, {"nan", "scalar"}, {"good", "simd"}, {"throws-later", "scalar"},
-                            {"unsupported", "scalar"}, {"absent", "simd"}, {"good", "scalar"}})), 1);
+  EXPECT_EQ(run(suite_text({{"throws", "scalar"},
+                            {"nan", "scalar"},
+                            {"good", "simd"},
+                            {"throws-later", "scalar"},
+                            {"unsupported", "scalar"},
+                            {"absent", "simd"},
+                            {"good", "scalar"}})),
+            1);
   EXPECT_EQ(row("throws").status, "failed: out of ideas");
   EXPECT_EQ(row("throws-later").status, "failed: tired");
   EXPECT_NE(row("nan").status.find("failed: receiver 0"), std::string::npos);
@@ -122,8 +131,10 @@ TEST_F(Runs, ResumeKeepsGoodRowsAndMeasuresTheRest) {
 TEST_F(Runs, ResumeMeasuresAnewWhenTheSceneChanged) {
   run(suite_text({{"good", "scalar"}}));
   const std::string key = row("good").scene_key;
-  folder_.write("scene.toml", "name = \"tiny\"\n[occluder]\nmesh = \"sphere\"\n[receivers]\nplane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n"
-                              "[light]\nenvironment = \"constant\"\n");
+  folder_.write("scene.toml",
+                "name = \"tiny\"\n[occluder]\nmesh = \"sphere\"\n[receivers]\nplane = { half_extent = 1.0, resolution "
+                "= 16, y = -1.0 }\n"
+                "[light]\nenvironment = \"constant\"\n");
   run(suite_text({{"good", "scalar"}}), true);
   EXPECT_NE(row("good").scene_key, key);
 }
@@ -131,9 +142,15 @@ TEST_F(Runs, ResumeMeasuresAnewWhenTheSceneChanged) {
 TEST_F(Runs, FilterChoosesRows) {
   EXPECT_EQ(run(suite_text({{"good", "scalar"}, {"throws", "scalar"}}), false, "/good/"), 0);
   EXPECT_EQ(read_results(out()).size(), 1u);
-  EXPECT_NE(test::error_of([&] { run(suite_text({{"good", "scalar"}}), false, "zzz"); }).find("leaves nothing"), std::string::npos);
+  EXPECT_NE(test::error_of([&] {
+              run(suite_text({{"good", "scalar"}}), false, "zzz");
+            }).find("leaves nothing"),
+            std::string::npos);
   testing::internal::GetCapturedStdout();
-  EXPECT_NE(test::error_of([&] { run(suite_text({{"good", "scalar"}}), false, "("); }).find("regular expression"), std::string::npos);
+  EXPECT_NE(test::error_of([&] {
+              run(suite_text({{"good", "scalar"}}), false, "(");
+            }).find("regular expression"),
+            std::string::npos);
   testing::internal::GetCapturedStdout();
 }
 

@@ -29,7 +29,8 @@ TEST_F(Suites, EveryShippedSuiteLoads) {
 TEST_F(Suites, AxesMultiply) {
   const Suite suite = load(
       "name = \"s\"\nscenes = [\"a\"]\nspheres = [8, 16]\nthreads = [1, 2]\n"
-      "[[technique]]\nname = \"ray-traced\"\nbackend = [\"scalar\", \"simd\"]\nparameters = { rays = [1, 2, 4], seed = [1, 2] }\n");
+      "[[technique]]\nname = \"ray-traced\"\nbackend = [\"scalar\", \"simd\"]\nparameters = { rays = [1, 2, 4], seed = "
+      "[1, 2] }\n");
   EXPECT_EQ(suite.spheres.size(), 2u);
   EXPECT_EQ(suite.variants.size(), 6u + 12u) << "scalar runs on one thread only";
   EXPECT_EQ(load("name = \"s\"\nscenes = \"a\"\n[[technique]]\nname = \"ray-traced\"\n", 3).variants.back().threads, 3);
@@ -40,11 +41,15 @@ TEST_F(Suites, MistakesAreExplained) {
   EXPECT_NE(error(head).find("[[technique]]"), std::string::npos);
   EXPECT_NE(error("name = \"s\"\n").find("'scenes'"), std::string::npos);
   EXPECT_NE(error(head + "[[technique]]\nname = \"magic\"\n").find("pixel-basis"), std::string::npos);
-  EXPECT_NE(error(head + "[[technique]]\nname = \"ray-traced\"\nbackend = \"gpu\"\n").find("scalar"), std::string::npos);
-  EXPECT_NE(error(head + "[[technique]]\nname = \"ray-traced\"\nparameters = { rays = 0 }\n").find("s.toml:5"), std::string::npos);
-  EXPECT_NE(error(head + "[[technique]]\nname = \"ray-traced\"\nparameters = { beams = 2 }\n").find("rays, seed"), std::string::npos);
+  EXPECT_NE(error(head + "[[technique]]\nname = \"ray-traced\"\nbackend = \"gpu\"\n").find("scalar"),
+            std::string::npos);
+  EXPECT_NE(error(head + "[[technique]]\nname = \"ray-traced\"\nparameters = { rays = 0 }\n").find("s.toml:5"),
+            std::string::npos);
+  EXPECT_NE(error(head + "[[technique]]\nname = \"ray-traced\"\nparameters = { beams = 2 }\n").find("rays, seed"),
+            std::string::npos);
   EXPECT_NE(error(head + "colour = 1\n[[technique]]\nname = \"ray-traced\"\n").find("'colour'"), std::string::npos);
-  EXPECT_NE(error(head + "repetitions = 0\n[[technique]]\nname = \"ray-traced\"\n").find("[1, 1000]"), std::string::npos);
+  EXPECT_NE(error(head + "repetitions = 0\n[[technique]]\nname = \"ray-traced\"\n").find("[1, 1000]"),
+            std::string::npos);
   EXPECT_NE(test::error_of([&] { load_suite("none-such", registry_, 0); }).find("quick"), std::string::npos);
 }
 

@@ -20,7 +20,8 @@ TEST(CubeMap, TexelCentresFindThemselves) {
 }
 
 TEST(CubeMap, AnyDirectionLandsInRange) {
-  for (const vec3 d : {vec3(0.0f), vec3(NAN), vec3(1e-30f, 0, 0), vec3(1, 1, 1), vec3(-1, -1, -1), vec3(INFINITY, 1, 1)}) {
+  for (const vec3 d :
+       {vec3(0.0f), vec3(NAN), vec3(1e-30f, 0, 0), vec3(1, 1, 1), vec3(-1, -1, -1), vec3(INFINITY, 1, 1)}) {
     const int t = cube_texel(d, 32);
     EXPECT_GE(t, 0);
     EXPECT_LT(t, 6144);

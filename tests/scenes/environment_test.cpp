@@ -61,7 +61,8 @@ TEST(Environment, ProjectionFollowsTheFunction) {
 }
 
 TEST(Environment, ConstantLatLongStaysConstantPerTexel) {
-  Environment e = environment_from_image({512, 256, std::vector<vec3>(512 * 256, vec3(1.0f))}, Layout::automatic, "test");
+  Environment e =
+      environment_from_image({512, 256, std::vector<vec3>(512 * 256, vec3(1.0f))}, Layout::automatic, "test");
   for (const double rotation : {0.0, 0.3, -2.0}) {
     e.rotation = rotation;
     for (const int n : {16, 32})
@@ -71,8 +72,7 @@ TEST(Environment, ConstantLatLongStaysConstantPerTexel) {
 
 TEST(Environment, ConstantCubeStaysExactlyConstant) {
   for (const int n : {16, 32, 64})
-    for (const vec3& texel : project(test::constant_environment(), n).texels)
-      ASSERT_NEAR(texel.x, 1.0f, 1e-6f);
+    for (const vec3& texel : project(test::constant_environment(), n).texels) ASSERT_NEAR(texel.x, 1.0f, 1e-6f);
 }
 
 // The cross is what a camera sees that looks at -Z: continuous across every fold.
@@ -105,7 +105,8 @@ Image angular_image(int n) {  // Debevec: centre -Z, radius proportional to the 
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) {
       const double u = (2 * x + 1.0) / n - 1, v = 1 - (2 * y + 1.0) / n, r = std::hypot(u, v);
-      image.pixels.push_back(r > 1 ? vec3(0.0f) : pattern({u / r * std::sin(pi * r), v / r * std::sin(pi * r), -std::cos(pi * r)}));
+      image.pixels.push_back(r > 1 ? vec3(0.0f)
+                                   : pattern({u / r * std::sin(pi * r), v / r * std::sin(pi * r), -std::cos(pi * r)}));
     }
   return image;
 }

@@ -29,8 +29,8 @@ TEST(Shapes, ClosedOnesAreClosedAndFaceOutward) {
   EXPECT_NEAR(volume(make_sphere({1, 2, 3}, 0.5f)), 4.0 / 3.0 * pi * 0.125, 5e-4);
   EXPECT_NEAR(volume(make_torus(1.0f, 0.25f, 96, 48)), 2 * pi * pi * 0.0625, 1e-2);
   EXPECT_GT(volume(make_torus_knot()), 0.0);
-  for (const Mesh& mesh : {make_box(vec3(0.0f), vec3(1.0f)), make_sphere(vec3(0.0f), 1), make_torus_knot(),
-                           make_torus(1, 0.3f, 32, 16)})
+  for (const Mesh& mesh :
+       {make_box(vec3(0.0f), vec3(1.0f)), make_sphere(vec3(0.0f), 1), make_torus_knot(), make_torus(1, 0.3f, 32, 16)})
     EXPECT_TRUE(closed(mesh));
 }
 
@@ -66,8 +66,9 @@ TEST(Mesh, ObjAndPlyLoad) {
   EXPECT_EQ(load_mesh(obj).triangles.size(), 2u);
   EXPECT_EQ(load_mesh(obj).positions.size(), 4u);
   const std::string ply = folder.write(
-      "a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-               "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
   EXPECT_EQ(load_mesh(ply).triangles.size(), 2u);
 }
 
@@ -112,7 +113,7 @@ TEST(RayScene, PacketsAgreeWithSingleRays) {
       }
       const unsigned bits = rays.occluded(packet, count), box = rays.meets_box(packet, count);
       for (int i = 0; i < count; ++i) {
-        const auto at = [&](const float (&v)[3][16]) { return vec3(v[0][i], v[1][i], v[2][i]); };
+        const auto at = [&](const float(&v)[3][16]) { return vec3(v[0][i], v[1][i], v[2][i]); };
         const bool single = rays.occluded(at(packet.origin), at(packet.direction), packet.far[i]);
         ASSERT_EQ(single, (bits >> i & 1u) != 0);
         if (single) ASSERT_TRUE(box >> i & 1u) << "the box must not drop a hit";

@@ -41,12 +41,14 @@ TEST(SceneFile, EveryShippedSceneLoads) {
 }
 
 TEST(SceneFile, EveryKeyWorks) {
-  const Scene scene = load_text(scene_text(
-      "[occluder]\nmesh = \"sphere\"\nfit = { height = 4.0, on_ground = true }\nspheres = [[0, 0, 0, 1], [1, 0, 0, 0.5]]\n",
-      "[receivers]\ncamera = { eye = [0, 2, 9], target = [0, 2, 0], vertical_fov = 30, width = 8, height = 6, ground = -1.0 }\n"
-      "albedo = [0.1, 0.2, 0.3]\n",
-      "[light]\narea = { centre = [0, 9, 0], normal = [0, -1, 0], radius = 2.0, radiance = [1, 2, 3] }\n",
-      "[motion]\nkind = \"bend\"\namount = 0.5\nperiod = 8\nframes = 3\n"));
+  const Scene scene = load_text(
+      scene_text("[occluder]\nmesh = \"sphere\"\nfit = { height = 4.0, on_ground = true }\nspheres = [[0, 0, 0, 1], "
+                 "[1, 0, 0, 0.5]]\n",
+                 "[receivers]\ncamera = { eye = [0, 2, 9], target = [0, 2, 0], vertical_fov = 30, width = 8, height = "
+                 "6, ground = -1.0 }\n"
+                 "albedo = [0.1, 0.2, 0.3]\n",
+                 "[light]\narea = { centre = [0, 9, 0], normal = [0, -1, 0], radius = 2.0, radiance = [1, 2, 3] }\n",
+                 "[motion]\nkind = \"bend\"\namount = 0.5\nperiod = 8\nframes = 3\n"));
   EXPECT_NEAR(bounds(scene.mesh).low.y, 0.0f, 1e-6f);
   EXPECT_NEAR(bounds(scene.mesh).high.y, 4.0f, 1e-5f);
   EXPECT_EQ(scene.spheres.spheres[0].radius, 2.0f) << "fit carries the spheres along";
@@ -57,7 +59,9 @@ TEST(SceneFile, EveryKeyWorks) {
   EXPECT_EQ(scene.motion.kind, Motion::Kind::bend);
   EXPECT_EQ(scene.motion.frames, 3);
   EXPECT_EQ(load_text(scene_text("[occluder]\nmesh = \"bowl\"\n", "[receivers]\nvertices = true\n",
-                                 "[light]\nenvironment = \"sun-sky\"\nrotation = 1.5\n")).receivers.height, 1);
+                                 "[light]\nenvironment = \"sun-sky\"\nrotation = 1.5\n"))
+                .receivers.height,
+            1);
 }
 
 struct BadScene {
@@ -70,27 +74,71 @@ TEST(SceneFile, MistakesNameFileLineKeyAndWhatIsAllowed) {
   const std::vector<BadScene> bad = {
       {"not TOML", "name = \n", {"t.toml:1", "not valid TOML"}},
       {"missing name", "x = 1\n", {"'name'"}},
-      {"unknown section", scene_text(good_occluder, good_receivers, good_light, "[fog]\ndensity = 1\n"), {"t.toml:8", "'fog'", "motion"}},
-      {"unknown key", scene_text("[occluder]\nmesh = \"box\"\ncolour = 1\n", good_receivers, good_light), {"t.toml:4", "occluder.colour", "fit, mesh, spheres"}},
-      {"unknown mesh", scene_text("[occluder]\nmesh = \"teapot\"\n", good_receivers, good_light), {"t.toml:3", "occluder.mesh", "bunny", "torus-knot"}},
-      {"two receivers", scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1, resolution = 4 }\nvertices = true\n", good_light), {"receivers", "exactly one", "camera"}},
+      {"unknown section",
+       scene_text(good_occluder, good_receivers, good_light, "[fog]\ndensity = 1\n"),
+       {"t.toml:8", "'fog'", "motion"}},
+      {"unknown key",
+       scene_text("[occluder]\nmesh = \"box\"\ncolour = 1\n", good_receivers, good_light),
+       {"t.toml:4", "occluder.colour", "fit, mesh, spheres"}},
+      {"unknown mesh",
+       scene_text("[occluder]\nmesh = \"teapot\"\n", good_receivers, good_light),
+       {"t.toml:3", "occluder.mesh", "bunny", "torus-knot"}},
+      {"two receivers",
+       scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1, resolution = 4 }\nvertices = true\n",
+                  good_light),
+       {"receivers", "exactly one", "camera"}},
       {"no receivers", scene_text(good_occluder, "[receivers]\n", good_light), {"exactly one"}},
-      {"resolution 0", scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1.0, resolution = 0 }\n", good_light), {"t.toml:5", "receivers.plane.resolution", "[1, 4096]"}},
-      {"resolution 10^6", scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1.0, resolution = 1000000 }\n", good_light), {"[1, 4096]"}},
-      {"text for number", scene_text(good_occluder, "[receivers]\nplane = { half_extent = \"a\", resolution = 4 }\n", good_light), {"half_extent", "number"}},
-      {"nan", scene_text(good_occluder, "[receivers]\nplane = { half_extent = nan, resolution = 4 }\n", good_light), {"half_extent"}},
-      {"two lights", scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"constant\"\narea = { centre = [0,1,0], edge_u = [1,0,0], edge_v = [0,0,1] }\n"), {"exactly one of environment, area"}},
-      {"unknown light", scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"moon\"\n"), {"light.environment", "city", "lamps"}},
-      {"bad mapping", scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"city\"\nmapping = \"globe\"\n"), {"light.mapping", "angular"}},
-      {"bad vector", scene_text(good_occluder, good_receivers, "[light]\narea = { centre = [0, 1], edge_u = [1,0,0], edge_v = [0,0,1] }\n"), {"light.area.centre", "three"}},
-      {"missing edge", scene_text(good_occluder, good_receivers, "[light]\narea = { centre = [0, 1, 0] }\n"), {"edge_u"}},
-      {"bad albedo", scene_text(good_occluder, std::string(good_receivers) + "albedo = [2, 0, 0]\n", good_light), {"receivers.albedo"}},
-      {"bad spheres", scene_text("[occluder]\nmesh = \"box\"\nspheres = [[0, 0, 0]]\n", good_receivers, good_light), {"occluder.spheres", "radius"}},
-      {"no spheres", scene_text("[occluder]\nmesh = \"box\"\nspheres = 0\n", good_receivers, good_light), {"occluder.spheres", "[1, 4096]"}},
-      {"missing sphere file", scene_text("[occluder]\nmesh = \"box\"\nspheres = \"x.json\"\n", good_receivers, good_light), {"t.toml:4", "x.json"}},
-      {"fit without mesh", scene_text("[occluder]\nmesh = \"none\"\nspheres = 4\n", good_receivers, good_light), {"no mesh"}},
-      {"vertices without mesh", scene_text("[occluder]\nmesh = \"none\"\n", "[receivers]\nvertices = true\n", good_light), {"no mesh"}},
-      {"bad motion", scene_text(good_occluder, good_receivers, good_light, "[motion]\nkind = \"fly\"\n"), {"motion.kind", "twist"}},
+      {"resolution 0",
+       scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1.0, resolution = 0 }\n", good_light),
+       {"t.toml:5", "receivers.plane.resolution", "[1, 4096]"}},
+      {"resolution 10^6",
+       scene_text(good_occluder, "[receivers]\nplane = { half_extent = 1.0, resolution = 1000000 }\n", good_light),
+       {"[1, 4096]"}},
+      {"text for number",
+       scene_text(good_occluder, "[receivers]\nplane = { half_extent = \"a\", resolution = 4 }\n", good_light),
+       {"half_extent", "number"}},
+      {"nan",
+       scene_text(good_occluder, "[receivers]\nplane = { half_extent = nan, resolution = 4 }\n", good_light),
+       {"half_extent"}},
+      {"two lights",
+       scene_text(
+           good_occluder, good_receivers,
+           "[light]\nenvironment = \"constant\"\narea = { centre = [0,1,0], edge_u = [1,0,0], edge_v = [0,0,1] }\n"),
+       {"exactly one of environment, area"}},
+      {"unknown light",
+       scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"moon\"\n"),
+       {"light.environment", "city", "lamps"}},
+      {"bad mapping",
+       scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"city\"\nmapping = \"globe\"\n"),
+       {"light.mapping", "angular"}},
+      {"bad vector",
+       scene_text(good_occluder, good_receivers,
+                  "[light]\narea = { centre = [0, 1], edge_u = [1,0,0], edge_v = [0,0,1] }\n"),
+       {"light.area.centre", "three"}},
+      {"missing edge",
+       scene_text(good_occluder, good_receivers, "[light]\narea = { centre = [0, 1, 0] }\n"),
+       {"edge_u"}},
+      {"bad albedo",
+       scene_text(good_occluder, std::string(good_receivers) + "albedo = [2, 0, 0]\n", good_light),
+       {"receivers.albedo"}},
+      {"bad spheres",
+       scene_text("[occluder]\nmesh = \"box\"\nspheres = [[0, 0, 0]]\n", good_receivers, good_light),
+       {"occluder.spheres", "radius"}},
+      {"no spheres",
+       scene_text("[occluder]\nmesh = \"box\"\nspheres = 0\n", good_receivers, good_light),
+       {"occluder.spheres", "[1, 4096]"}},
+      {"missing sphere file",
+       scene_text("[occluder]\nmesh = \"box\"\nspheres = \"x.json\"\n", good_receivers, good_light),
+       {"t.toml:4", "x.json"}},
+      {"fit without mesh",
+       scene_text("[occluder]\nmesh = \"none\"\nspheres = 4\n", good_receivers, good_light),
+       {"no mesh"}},
+      {"vertices without mesh",
+       scene_text("[occluder]\nmesh = \"none\"\n", "[receivers]\nvertices = true\n", good_light),
+       {"no mesh"}},
+      {"bad motion",
+       scene_text(good_occluder, good_receivers, good_light, "[motion]\nkind = \"fly\"\n"),
+       {"motion.kind", "twist"}},
   };
   for (const BadScene& scene : bad) {
     const std::string message = error_for(scene.text);
@@ -130,7 +178,9 @@ TEST(SceneFile, MissingAssetNamesItsPackage) {
   EXPECT_EQ(asset_file("no-such-asset", "mesh"), "");
 }
 
-TEST(SceneFile, SphereCountCanBeOverridden) { EXPECT_EQ(load_scene("torus-knot-lamps", 8).spheres.size(), 8u); }
+TEST(SceneFile, SphereCountCanBeOverridden) {
+  EXPECT_EQ(load_scene("torus-knot-lamps", 8).spheres.size(), 8u);
+}
 
 }  // namespace
 }  // namespace penumbra

@@ -50,7 +50,8 @@ TEST(SphereSet, FitDoesNotDependOnThreads) {
 }
 
 TEST(SphereSet, FitRefusesNonsense) {
-  EXPECT_NE(test::error_of([] { fit_spheres(make_box(vec3(0.0f), vec3(1.0f)), 0); }).find("at least 1"), std::string::npos);
+  EXPECT_NE(test::error_of([] { fit_spheres(make_box(vec3(0.0f), vec3(1.0f)), 0); }).find("at least 1"),
+            std::string::npos);
   EXPECT_NE(test::error_of([] { fit_spheres(Mesh{}, 4); }).find("no triangles"), std::string::npos);
   Mesh flat;
   flat.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};

@@ -23,7 +23,8 @@ class HardCases : public testing::TestWithParam<Way> {
  protected:
   double e(const std::vector<Sphere>& spheres, vec3 normal = {0, 1, 0}, vec3 x = vec3(0.0f)) const {
     return double(test::shade("pixel-basis", GetParam().backend, GetParam().parameters,
-                              test::sphere_scene(spheres, test::receivers_at({x}, normal)))[0].x);
+                              test::sphere_scene(spheres, test::receivers_at({x}, normal)))[0]
+                      .x);
   }
   static double unoccluded() {
     const auto& p = GetParam().parameters;
@@ -50,12 +51,14 @@ TEST_P(HardCases, ReceiverInsideASphere) {  // 1
 
 TEST_P(HardCases, CapOnAxis) {  // 2
   for (double theta = 0.1; theta < 1.5; theta += 0.1)
-    EXPECT_NEAR(e({test::cap_sphere({0, 1, 0}, theta)}), 1 - std::pow(std::sin(theta), 2), GetParam().cap_tolerance) << theta;
+    EXPECT_NEAR(e({test::cap_sphere({0, 1, 0}, theta)}), 1 - std::pow(std::sin(theta), 2), GetParam().cap_tolerance)
+        << theta;
 }
 
 TEST_P(HardCases, CapTouchingTheHorizon) {  // 3
   for (double theta = 0.1; theta < 1.5; theta += 0.2)
-    EXPECT_NEAR(e({test::cap_sphere(tilted(pi / 2 - theta), theta)}), 1 - std::pow(std::sin(theta), 3), GetParam().cap_tolerance);
+    EXPECT_NEAR(e({test::cap_sphere(tilted(pi / 2 - theta), theta)}), 1 - std::pow(std::sin(theta), 3),
+                GetParam().cap_tolerance);
 }
 
 TEST_P(HardCases, SphereRestingOnThePlane) {  // 4
@@ -104,7 +107,8 @@ TEST_P(HardCases, NestedCapsCountOnce) {  // 12
 
 TEST_P(HardCases, TiltedCaps) {
   for (double gamma = 0.1; gamma < 2.4; gamma += 0.23)
-    EXPECT_NEAR(e({test::cap_sphere(tilted(gamma), 0.6)}), 1 - blocked_fraction(0.6, gamma), GetParam().cap_tolerance) << gamma;
+    EXPECT_NEAR(e({test::cap_sphere(tilted(gamma), 0.6)}), 1 - blocked_fraction(0.6, gamma), GetParam().cap_tolerance)
+        << gamma;
 }
 
 TEST_P(HardCases, NormalsOfTheirOwn) {
@@ -120,7 +124,9 @@ TEST_P(HardCases, NormalsOfTheirOwn) {
 TEST_P(HardCases, BlockedSunLeavesNoResidue) {  // 17
   for (const float sun : {1e6f, 1e9f}) {
     Scene scene = test::sphere_scene({test::cap_sphere({0, 1, 0.1f}, 0.4)}, test::receivers_at({vec3(0.0f)}));
-    const auto shaded = [&] { return test::shade("pixel-basis", GetParam().backend, GetParam().parameters, scene)[0].x; };
+    const auto shaded = [&] {
+      return test::shade("pixel-basis", GetParam().backend, GetParam().parameters, scene)[0].x;
+    };
     const float dark = shaded();
     // The source is a 64 x 64 cube: these four texels make one texel of 32 x 32, in the middle of the cap.
     auto& radiance = std::get<Environment>(scene.light).radiance;
@@ -145,17 +151,16 @@ TEST_P(HardCases, DistantSphericalEmitter) {
   EXPECT_NEAR(b / (5 * std::pow(std::sin(0.3), 2) * std::cos(0.6)), 1.0, 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    EveryWay, HardCases,
-    testing::Values(Way{"scalar", {"visibility=raster"}, 0.012, 0.005, false},
-                    Way{"simd", {"visibility=raster"}, 0.012, 0.005, false},
-                    Way{"scalar", {"visibility=rays"}, 0.013, 0.006, true},
-                    Way{"simd", {"visibility=rays"}, 0.013, 0.006, true},
-                    // 2.53 degrees of direction and 1.4 of radius: the table's own error
-                    Way{"scalar", {"visibility=table"}, 0.06, 0.06, false},
-                    Way{"simd", {"visibility=table"}, 0.06, 0.06, false},
-                    Way{"simd", {"visibility=raster", "resolution=64"}, 0.006, 0.003, false},
-                    Way{"simd", {"visibility=raster", "resolution=16"}, 0.025, 0.012, false}));
+INSTANTIATE_TEST_SUITE_P(EveryWay, HardCases,
+                         testing::Values(Way{"scalar", {"visibility=raster"}, 0.012, 0.005, false},
+                                         Way{"simd", {"visibility=raster"}, 0.012, 0.005, false},
+                                         Way{"scalar", {"visibility=rays"}, 0.013, 0.006, true},
+                                         Way{"simd", {"visibility=rays"}, 0.013, 0.006, true},
+                                         // 2.53 degrees of direction and 1.4 of radius: the table's own error
+                                         Way{"scalar", {"visibility=table"}, 0.06, 0.06, false},
+                                         Way{"simd", {"visibility=table"}, 0.06, 0.06, false},
+                                         Way{"simd", {"visibility=raster", "resolution=64"}, 0.006, 0.003, false},
+                                         Way{"simd", {"visibility=raster", "resolution=16"}, 0.025, 0.012, false}));
 
 TEST(PixelSum, UnoccludedConverges) {
   EXPECT_NEAR(unoccluded_at(32), 1.000320, 1e-6);

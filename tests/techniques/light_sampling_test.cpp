@@ -90,7 +90,8 @@ TEST(LightSampling, RectangleFollowsLambert) {
 
 TEST(LightSampling, DiscOverhead) {
   const Light light = make_disc({0, 2, 0}, {0, -1, 0}, 1.0f, vec3(1.0f));
-  EXPECT_NEAR(mean_weight(LightSampler(light), vec3(0.0f), {0, 1, 0}, 4096).x, 1.0f / 5.0f, 2e-4f);  // R^2 / (R^2 + h^2)
+  EXPECT_NEAR(mean_weight(LightSampler(light), vec3(0.0f), {0, 1, 0}, 4096).x, 1.0f / 5.0f,
+              2e-4f);  // R^2 / (R^2 + h^2)
 }
 
 TEST(LightSampling, LightsShineToOneSide) {

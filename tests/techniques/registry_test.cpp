@@ -34,7 +34,8 @@ TEST(Registry, EveryEntryIsDescribed) {
     EXPECT_TRUE(e.lights.environment || e.lights.area) << e.title();
     for (const Parameter& p : e.parameters) {
       EXPECT_FALSE(p.meaning.empty()) << e.title() << " " << p.name;
-      EXPECT_EQ(test::error_of([&] { Parameters().resolve(e.parameters, e.title()); }), "") << "defaults must be allowed";
+      EXPECT_EQ(test::error_of([&] { Parameters().resolve(e.parameters, e.title()); }), "")
+          << "defaults must be allowed";
     }
   }
 }

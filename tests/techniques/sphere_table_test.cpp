@@ -124,7 +124,8 @@ TEST_F(SphereTables, DuplicatesAndOrderChangeNothing) {
 TEST_F(SphereTables, NestedCapsAreTheOuterOne) {
   BitCube outer(32), both(32);
   rasterise_spheres({{test::cap_sphere({1, 2, 3}, 0.5)}}, vec3(0.0f), directions_, outer);
-  rasterise_spheres({{test::cap_sphere({1, 2, 3}, 0.2), test::cap_sphere({1, 2, 3}, 0.5)}}, vec3(0.0f), directions_, both);
+  rasterise_spheres({{test::cap_sphere({1, 2, 3}, 0.2), test::cap_sphere({1, 2, 3}, 0.5)}}, vec3(0.0f), directions_,
+                    both);
   EXPECT_EQ(outer.words, both.words);
 }
 

@@ -14,7 +14,8 @@ namespace {
 /// The values to test of one parameter: every choice; one other value of a number.
 std::vector<ParameterValue> values_to_test(const Parameter& p) {
   if (!p.allowed.empty()) return p.allowed;
-  if (std::holds_alternative<int>(p.fallback)) return {p.fallback, std::clamp(17, int(p.low), int(std::min(p.high, 1e9)))};
+  if (std::holds_alternative<int>(p.fallback))
+    return {p.fallback, std::clamp(17, int(p.low), int(std::min(p.high, 1e9)))};
   return {p.fallback};
 }
 

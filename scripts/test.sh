@@ -1,0 +1,8 @@
+#!/usr/bin/env bash
+# Sets up, builds and runs every test.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/setup.sh
+scripts/build.sh release -DPENUMBRA_TESTS=ON
+.venv/bin/python scripts/check_metrics.py
+ctest --preset release --parallel "$(nproc)"
