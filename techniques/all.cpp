@@ -3,6 +3,7 @@
 #include "techniques/pixel_basis/pixel_basis.h"
 #include "techniques/ray_traced/ray_traced.h"
 #include "techniques/registry.h"
+#include "techniques/wavelet/wavelet.h"
 
 namespace penumbra {
 
@@ -10,6 +11,7 @@ Registry make_registry() {
   Registry registry;
   register_ray_traced(registry);
   register_pixel_basis(registry);
+  register_wavelet(registry);
   register_cuda(registry);
   return registry;
 }

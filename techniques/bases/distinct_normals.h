@@ -5,27 +5,27 @@
 #include <cstdint>
 #include <vector>
 
-#include "scenes/receivers.h"
+#include "scenes/math.h"
 
 namespace penumbra {
 
 struct DistinctNormals {
-  static constexpr std::size_t most = 8;  ///< beyond, sharing no longer pays for the memory
-  std::vector<vec3> normals;              ///< empty if there are more than `most`
-  std::vector<std::uint8_t> index;        ///< per receiver
+  std::vector<vec3> normals;         ///< empty if there are more than asked for
+  std::vector<std::uint16_t> index;  ///< per receiver
 
   bool few() const { return !normals.empty(); }
 
-  static DistinctNormals of(const Receivers& receivers) {
+  /// At most `most`: beyond, sharing no longer pays for the memory.
+  static DistinctNormals of(const std::vector<vec3>& normals, std::size_t most = 8) {
     DistinctNormals found;
-    found.index.assign(receivers.normal.size(), 0);
-    for (std::size_t i = 0; i < receivers.normal.size(); ++i) {
-      auto at = std::find(found.normals.begin(), found.normals.end(), receivers.normal[i]);
+    found.index.assign(normals.size(), 0);
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      auto at = std::find(found.normals.begin(), found.normals.end(), normals[i]);
       if (at == found.normals.end()) {
         if (found.normals.size() == most) return {};
-        at = found.normals.insert(at, receivers.normal[i]);
+        at = found.normals.insert(at, normals[i]);
       }
-      found.index[i] = std::uint8_t(at - found.normals.begin());
+      found.index[i] = std::uint16_t(at - found.normals.begin());
     }
     return found;
   }

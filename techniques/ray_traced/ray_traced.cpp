@@ -77,7 +77,7 @@ class RayTraced : public Technique {
     receivers_ = &receivers;
     sampler_ = LightSampler(light);
     // The samples of an area light depend on the position too.
-    normals_ = environment_of(light) ? DistinctNormals::of(receivers) : DistinctNormals{};
+    normals_ = environment_of(light) ? DistinctNormals::of(receivers.normal) : DistinctNormals{};
     pools_.assign(normals_.normals.size(), std::vector<SampleSet>(pattern * pattern));
     for (std::size_t k = 0; k < pools_.size(); ++k) {
       const vec3 normal = normals_.normals[k], unshadowed = ratio_ ? sampler_.unshadowed(normal) : vec3(0.0f);

@@ -1,0 +1,46 @@
+#include "techniques/bases/blocked.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace penumbra {
+
+void SphereLanes::assign(const SphereSet& set) {
+  const std::size_t padded = (set.size() + 15) / 16 * 16;
+  for (auto* lane : {&x, &y, &z, &radius}) lane->assign(padded, 0.0f);
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const Sphere& s = set.spheres[i];
+    x[i] = s.centre.x, y[i] = s.centre.y, z[i] = s.centre.z, radius[i] = s.radius;
+  }
+}
+
+void LineCones::assign(int edge, const std::vector<vec3>& directions) {
+  n = edge;
+  for (int c = 0; c < 3; ++c) {
+    direction[c].clear();
+    for (const vec3& w : directions) direction[c].push_back(w[c]);
+  }
+  axis.clear(), sine.clear(), cosine.clear();
+  for (std::size_t first = 0; first < directions.size(); first += texels_per_line) {
+    const auto begin = directions.begin() + std::ptrdiff_t(first), end = begin + texels_per_line;
+    vec3 sum(0.0f);
+    for (auto w = begin; w != end; ++w) sum += *w;
+    sum = glm::normalize(sum);
+    float least = 1.0f;
+    for (auto w = begin; w != end; ++w) least = std::min(least, glm::dot(sum, *w));
+    least = std::max(-1.0f, least - 1e-5f);
+    axis.push_back(sum);
+    cosine.push_back(least);
+    sine.push_back(std::sqrt(1.0f - least * least));
+  }
+}
+
+std::uint64_t lines_above_horizon(const LineCones& cones, vec3 normal) {
+  std::uint64_t active = 0;
+  for (std::size_t line = 0; line < cones.axis.size(); ++line)
+    if (cones.cosine[line] <= 0.0f || glm::dot(cones.axis[line], normal) > -cones.sine[line] - 1e-5f)
+      active |= std::uint64_t(1) << line;
+  return active;
+}
+
+}  // namespace penumbra

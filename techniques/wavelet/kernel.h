@@ -1,0 +1,23 @@
+// The vectorised inner loops of the wavelet techniques.
+#pragma once
+
+#include <string>
+
+#include "techniques/bases/blocked.h"
+#include "techniques/wavelet/sparse_product.h"
+
+namespace penumbra::wavelet {
+
+struct Job {
+  BlockedJob blocked;
+  const std::vector<Functional>* functionals;  ///< one per plan
+  const std::vector<std::uint64_t>* active;    ///< lines above the plan's horizon
+  const std::vector<std::uint16_t>* plan_of;   ///< per receiver
+};
+
+/// Shades receivers [begin, end), radiance without albedo times albedo.
+void shade(const Job& job, int begin, int end, vec3* radiance);
+
+std::string target();
+
+}  // namespace penumbra::wavelet

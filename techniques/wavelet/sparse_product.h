@@ -1,0 +1,135 @@
+// Products of light, BRDF and visibility in the Haar basis, over truncated lists (Zhao & Che 2011, section 3.5).
+//
+// The loops are written once, against a sink: evaluating a receiver, the sink multiplies each weight with the
+// receiver's coefficient of V; building a functional, it collects the weights, since the result is linear in V.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "scenes/math.h"
+#include "techniques/bases/haar.h"
+
+namespace penumbra::wavelet {
+
+/// A function on the six faces: coefficients (6 N) and mean pyramids (6 of pyramid_size) by face.
+struct Function {
+  int n = 0;
+  std::vector<float> coefficients, means;
+
+  Function() = default;
+  /// From 6 n n texels; computed in double.
+  Function(int edge, std::span<const double> texels);
+
+  int per_face() const { return n * n; }
+  float at(int face, int index) const { return coefficients[std::size_t(face) * per_face() + index]; }
+  float mean(int face, haar::Square s) const {
+    const int size = haar::pyramid_size(haar::levels_of(n));
+    return means[std::size_t(face) * size + haar::pyramid_index(s)];
+  }
+};
+
+/// A wavelet of a face; never the scale.
+struct Term {
+  int face, index;
+};
+
+/// The `count` wavelets with the largest |c| 2^(-gamma l), largest first; ties by position. Scales are not among them:
+/// they are always used. gamma = 0 is L2-optimal, 1 weighs by area (Ng et al. 2003).
+std::vector<Term> keep_largest(const Function& f, int count, double gamma);
+
+/// Which coefficients of V a product may look at: only level 1 of the two-level store (GPU-I), or both (GPU-II).
+inline bool in_level1(int n, int index) {
+  return index < n * n / 16;
+}
+
+/// psum(V) exists down to the 4 x 4 blocks; finer squares use the block they lie in.
+inline haar::Square within_level1(int n, haar::Square s) {
+  const int block_level = haar::levels_of(n) - 2, up = std::max(0, s.level - block_level);
+  return {s.level - up, s.i >> up, s.j >> up};
+}
+
+/// Sparse, asymmetric triple product: loops over the kept terms of p and L, everything else from the complete stores.
+/// Calls sink.coefficient(face, index, weight) for weight * V_index and sink.mean(face, square, weight) for
+/// weight * psum(V, square).
+template <class Sink>
+void triple_product(const Function& p, const Function& light, std::span<const Term> kept_p,
+                    std::span<const Term> kept_light, int level, Sink& sink) {
+  const auto visible = [&](int index) { return level == 2 || in_level1(p.n, index); };
+  for (int face = 0; face < 6; ++face) sink.coefficient(face, 0, p.at(face, 0) * light.at(face, 0));  // case 1
+  for (const Term& t : kept_p) {
+    const auto [s, a] = haar::place_of(t.index);
+    const int b = haar::coefficient_index(s, (a + 1) % 3), c = haar::coefficient_index(s, (a + 2) % 3);
+    const float pa = p.at(t.face, t.index);
+    if (visible(t.index)) {  // case 2: same square, three types
+      sink.coefficient(t.face, c, float(1 << s.level) * pa * light.at(t.face, b));
+      sink.coefficient(t.face, b, float(1 << s.level) * pa * light.at(t.face, c));
+    }
+    sink.mean(t.face, within_level1(p.n, s), pa * light.at(t.face, t.index));                    // case 3: p L psum(V)
+    if (in_level1(p.n, t.index)) sink.coefficient(t.face, t.index, pa * light.mean(t.face, s));  // p V psum(L)
+  }
+  for (const Term& t : kept_light)  // case 3: L V psum(p)
+    if (visible(t.index))
+      sink.coefficient(t.face, t.index, light.at(t.face, t.index) * p.mean(t.face, haar::place_of(t.index).square));
+}
+
+/// Inner product of the kept terms of f with V.
+template <class Sink>
+void inner_product(const Function& f, std::span<const Term> kept, Sink& sink) {
+  for (int face = 0; face < 6; ++face) sink.coefficient(face, 0, f.at(face, 0));
+  for (const Term& t : kept) sink.coefficient(t.face, t.index, f.at(t.face, t.index));
+}
+
+/// Visibility of one receiver as the loops need it: the two-level store and psum(V) down to blocks.
+struct Visibility {
+  haar::TwoLevel store;
+  std::vector<float> means;
+  void assign(const BitCube& blocked);
+};
+
+/// Sink that evaluates; sums in double.
+class Evaluate {
+ public:
+  explicit Evaluate(const Visibility& v) : v_(v) {}
+  void coefficient(int face, int index, float weight) {
+    sum_ += double(weight) * double(haar::coefficient(v_.store, face, index));
+  }
+  void mean(int face, haar::Square s, float weight) {
+    const int size = int(v_.means.size()) / 6;
+    sum_ += double(weight) * double(v_.means[std::size_t(face) * size + haar::pyramid_index(s)]);
+  }
+  double sum() const { return sum_; }
+
+ private:
+  const Visibility& v_;
+  double sum_ = 0.0;
+};
+
+/// A linear functional of V: weights of all level-1 coefficients, and of the 15 level-2 coefficients of the blocks that
+/// have any, in the units of the binary table (so that the sum over a table row is what is taken away from 1 -
+/// blocked).
+struct Functional {
+  int n = 0;
+  std::vector<float> level1[3];    ///< 6 (n/4)^2 per channel
+  std::vector<std::int32_t> slot;  ///< per block: position in level2, or -1
+  std::vector<float> level2;       ///< per slot: 3 channels x 16 table entries, the first 0
+  std::size_t bytes() const;
+};
+
+/// Sink that collects one channel of a functional; take() gives what it collected.
+class Collect {
+ public:
+  explicit Collect(int n);
+  void set_channel(int c) { channel_ = c; }
+  void coefficient(int face, int index, float weight);
+  void mean(int face, haar::Square s, float weight);
+  Functional take() const;
+
+ private:
+  int n_, channel_ = 0;
+  std::vector<double> level1_[3];
+  std::vector<std::int32_t> slot_;
+  std::vector<double> level2_;  ///< per slot: 3 x 16
+};
+
+}  // namespace penumbra::wavelet
