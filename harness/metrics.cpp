@@ -24,13 +24,14 @@ namespace {
 
 /// Running sums of one set of receivers.
 struct Sums {
-  std::size_t count = 0, windows = 0;
+  std::size_t count = 0, windows = 0, negative = 0;
   double squared = 0.0, sum = 0.0, largest = 0.0, ssim = 0.0, flip = 0.0;
 
   void add(vec3 image, vec3 reference) {
     ++count;
     for (int c = 0; c < 3; ++c) {
       const double d = double(image[c]) - double(reference[c]);
+      negative += image[c] < 0.0f;
       squared += d * d;
       sum += d;
       largest = std::max(largest, std::abs(d));
@@ -45,6 +46,7 @@ struct Sums {
     e.rel_rmse = reference_rms > 0.0 ? e.rmse / reference_rms : 0.0;
     e.psnr = e.rmse > 0.0 ? 20.0 * std::log10(peak / e.rmse) : std::numeric_limits<double>::infinity();
     e.max = largest;
+    e.negative = negative;
     e.mean_signed = sum / (3.0 * double(count));
     if (windowed && windows > 0) e.ssim = ssim / double(windows);
     if (has_flip) e.flip = flip / double(count);

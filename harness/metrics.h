@@ -27,6 +27,7 @@ struct Errors {
   double psnr = 0.0;         ///< dB, peak = largest reference value of the image; infinity if equal
   double max = 0.0;          ///< largest absolute error of a channel, W m^-2 sr^-1
   double mean_signed = 0.0;  ///< mean of image - reference: > 0 leaks light, < 0 over-darkens; W m^-2 sr^-1
+  std::size_t negative = 0;  ///< channel values of the image below 0: truncation makes them, nothing clamps them
   std::optional<double> ssim, flip;
 };
 

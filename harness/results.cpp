@@ -19,7 +19,8 @@ json number(double value) {
 
 json errors_json(const Errors& e) {
   json out = {{"receivers", e.receivers}, {"rmse", e.rmse}, {"rel_rmse", e.rel_rmse},
-              {"psnr", number(e.psnr)},   {"max", e.max},   {"mean_signed", e.mean_signed}};
+              {"psnr", number(e.psnr)},   {"max", e.max},   {"mean_signed", e.mean_signed},
+              {"negative", e.negative}};
   out["ssim"] = e.ssim ? json(*e.ssim) : json(nullptr);
   out["flip"] = e.flip ? json(*e.flip) : json(nullptr);
   return out;
@@ -27,7 +28,7 @@ json errors_json(const Errors& e) {
 
 Errors errors_from(const json& in) {
   Errors e;
-  e.receivers = in.at("receivers");
+  e.receivers = in.at("receivers"), e.negative = in.at("negative");
   e.rmse = in.at("rmse"), e.rel_rmse = in.at("rel_rmse"), e.max = in.at("max"), e.mean_signed = in.at("mean_signed");
   e.psnr = in.at("psnr").is_null() ? std::numeric_limits<double>::infinity() : double(in.at("psnr"));
   if (!in.at("ssim").is_null()) e.ssim = in.at("ssim");

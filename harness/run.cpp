@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <regex>
 
 #include "harness/interrupt.h"
+#include "harness/published.h"
 #include "harness/scene_run.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
@@ -68,6 +70,11 @@ std::vector<Row> take_finished(const std::vector<Row>& earlier, const SceneRun& 
 }  // namespace
 
 int run_suite(const Suite& suite, const Registry& registry, const RunOptions& options) {
+  const auto published =
+      suite.published.empty() ? std::optional<PublishedTable>() : PublishedTable::load(suite.published);
+  const auto tables = [&](const std::vector<Row>& rows) {
+    return make_table(rows) + (published ? make_published_table(*published, rows) : "");
+  };
   std::vector<Case> cases = load_cases(suite, options.filter);
   const std::vector<Row> earlier = options.resume ? read_results(options.directory) : std::vector<Row>();
   const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
@@ -91,10 +98,10 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
       const std::vector<Row> measured = run.measure(item.variants, repetitions, progress);
       rows.insert(rows.end(), measured.begin(), measured.end());
       write_results(options.directory, context, rows);
-      write_atomically(options.directory + "/table.md", make_table(rows));
+      write_atomically(options.directory + "/table.md", tables(rows));
     }
   }
-  fmt::print("{}", make_table(rows));
+  fmt::print("{}", tables(rows));
   if (interrupted()) {
     fmt::print(stderr, "interrupted: {} finished rows are in {}/results.json; --resume goes on\n", rows.size(),
                options.directory);

@@ -22,6 +22,7 @@ struct Suite {
   std::vector<Variant> variants;
   int repetitions = 9;
   double truth_noise = 0.002;
+  std::string published;  ///< table of results/published to print beside, or empty
 };
 
 /// Loads a shipped suite by name or a file by path, and expands every axis. `threads` replaces "all" (0: all cores).

@@ -56,8 +56,8 @@ std::string optional_number(const std::optional<double>& value) {
 void append_rows(const std::vector<const Row*>& rows, const std::vector<const Row*>& scene_rows, std::string& text) {
   text +=
       "| | technique | backend | parameters | threads | spheres | prepare ms | update ms | shade ms | frame ms | "
-      "MiB | truth % | cube % | spheres % | 13x13 % | signed | PSNR | SSIM | FLIP |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "MiB | truth % | cube % | spheres % | 13x13 % | signed | negative | PSNR | SSIM | FLIP |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   const std::vector<bool> optimal = pareto_optimal(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& r = *rows[i];
@@ -66,11 +66,11 @@ void append_rows(const std::vector<const Row*>& rows, const std::vector<const Ro
     const std::string backend = r.instruction_set.empty() ? r.backend : r.backend + " " + r.instruction_set;
     text += fmt::format(
         "| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | **{:.3f}** | {:.1f} | {} | {} | {} | {} | {:+.2g} "
-        "| {:.1f} | {} | {} |\n",
+        "| {} | {:.1f} | {} | {} |\n",
         optimal[i] ? "P" : "", r.technique, backend, telling_parameters(r, scene_rows), r.threads, r.spheres,
         r.prepare_ms, median(r.update_ms), median(r.shade_ms), r.median_frame_ms(), double(r.bytes.total()) / 1048576.0,
-        percent(r, "truth"), percent(r, "cube"), percent(r, "spheres"), percent(r, "13x13"), all.mean_signed, all.psnr,
-        optional_number(all.ssim), optional_number(all.flip));
+        percent(r, "truth"), percent(r, "cube"), percent(r, "spheres"), percent(r, "13x13"), all.mean_signed,
+        all.negative, all.psnr, optional_number(all.ssim), optional_number(all.flip));
   }
 }
 
@@ -85,7 +85,8 @@ std::string make_table(const std::vector<Row>& rows) {
       "own "
       "noise. `P`: no other row of the scene is both faster and nearer to the truth.\n`signed`: mean of image - truth "
       "in "
-      "W m^-2 sr^-1 (positive leaks light, negative over-darkens). PSNR, SSIM and FLIP are against truth.\n";
+      "W m^-2 sr^-1 (positive leaks light, negative over-darkens); `negative`: channel values below 0, left as they "
+      "are. PSNR, SSIM and FLIP are against truth.\n";
   for (const std::string& scene : scenes) {
     std::vector<const Row*> good, bad;
     for (const Row& row : rows)

@@ -14,7 +14,11 @@ Function::Function(int edge, std::span<const double> texels) : n(edge) {
   }
 }
 
-std::vector<Term> keep_largest(const Function& f, int count, double gamma) {
+namespace {
+
+/// Largest scores first; ties by position.
+template <class Score>
+std::vector<Term> keep_best(const Function& f, int count, Score score) {
   struct Scored {
     double score;
     Term term;
@@ -22,10 +26,7 @@ std::vector<Term> keep_largest(const Function& f, int count, double gamma) {
   std::vector<Scored> all;
   all.reserve(f.coefficients.size());
   for (int face = 0; face < 6; ++face)
-    for (int index = 1; index < f.per_face(); ++index) {
-      const double size = std::abs(double(f.at(face, index)));
-      all.push_back({size * std::exp2(-gamma * haar::place_of(index).square.level), {face, index}});
-    }
+    for (int index = 1; index < f.per_face(); ++index) all.push_back({score(face, index), {face, index}});
   const auto kept = std::min(all.size(), std::size_t(count));
   const auto before = [](const Scored& a, const Scored& b) {
     if (a.score != b.score) return a.score > b.score;
@@ -35,6 +36,26 @@ std::vector<Term> keep_largest(const Function& f, int count, double gamma) {
   std::vector<Term> terms;
   for (std::size_t k = 0; k < kept; ++k) terms.push_back(all[k].term);
   return terms;
+}
+
+}  // namespace
+
+std::vector<Term> keep_largest(const Function& f, int count, double gamma) {
+  return keep_best(f, count, [&](int face, int index) {
+    return std::abs(double(f.at(face, index))) * std::exp2(-gamma * haar::place_of(index).square.level);
+  });
+}
+
+std::vector<Term> keep_largest_effect(const Function& p, std::span<const Function> light, int count) {
+  return keep_best(p, count, [&](int face, int index) {
+    const auto [s, a] = haar::place_of(index);
+    double partners = 0.0;
+    for (const Function& l : light) {
+      for (int m = 0; m < 3; ++m) partners += std::abs(double(l.at(face, haar::coefficient_index(s, m))));
+      partners += std::abs(double(l.mean(face, s))) * std::exp2(-s.level);
+    }
+    return std::abs(double(p.at(face, index))) * partners;
+  });
 }
 
 void Visibility::assign(const BitCube& blocked) {

@@ -38,12 +38,21 @@ struct Term {
 /// they are always used. gamma = 0 is L2-optimal, 1 weighs by area (Ng et al. 2003).
 std::vector<Term> keep_largest(const Function& f, int count, double gamma);
 
+/// The `count` terms of p that matter most under a light, by the size of what the p loop does with them: p L psum(V)
+/// and, with wavelets of V taken as 2^-level, p V psum(L) and case 2. A dim lobe over a bright lamp is then kept.
+std::vector<Term> keep_largest_effect(const Function& p, std::span<const Function> light, int count);
+
 /// Which coefficients of V a product may look at: only level 1 of the two-level store (GPU-I), or both (GPU-II).
 inline bool in_level1(int n, int index) {
   return index < n * n / 16;
 }
 
-/// psum(V) exists down to the 4 x 4 blocks; finer squares use the block they lie in.
+/// Which levels of V the two loops see. The paper's p loop sees level 1 alone.
+struct Levels {
+  int light = 2, p = 1;
+};
+
+/// psum(V) of level 1 exists down to the 4 x 4 blocks; finer squares use the block they lie in.
 inline haar::Square within_level1(int n, haar::Square s) {
   const int block_level = haar::levels_of(n) - 2, up = std::max(0, s.level - block_level);
   return {s.level - up, s.i >> up, s.j >> up};
@@ -54,22 +63,23 @@ inline haar::Square within_level1(int n, haar::Square s) {
 /// weight * psum(V, square).
 template <class Sink>
 void triple_product(const Function& p, const Function& light, std::span<const Term> kept_p,
-                    std::span<const Term> kept_light, int level, Sink& sink) {
-  const auto visible = [&](int index) { return level == 2 || in_level1(p.n, index); };
+                    std::span<const Term> kept_light, Levels levels, Sink& sink) {
+  const auto visible = [&](int index, int level) { return level == 2 || in_level1(p.n, index); };
   for (int face = 0; face < 6; ++face) sink.coefficient(face, 0, p.at(face, 0) * light.at(face, 0));  // case 1
   for (const Term& t : kept_p) {
     const auto [s, a] = haar::place_of(t.index);
     const int b = haar::coefficient_index(s, (a + 1) % 3), c = haar::coefficient_index(s, (a + 2) % 3);
     const float pa = p.at(t.face, t.index);
-    if (visible(t.index)) {  // case 2: same square, three types
+    if (visible(t.index, levels.light)) {  // case 2: same square, three types
       sink.coefficient(t.face, c, float(1 << s.level) * pa * light.at(t.face, b));
       sink.coefficient(t.face, b, float(1 << s.level) * pa * light.at(t.face, c));
     }
-    sink.mean(t.face, within_level1(p.n, s), pa * light.at(t.face, t.index));                    // case 3: p L psum(V)
-    if (in_level1(p.n, t.index)) sink.coefficient(t.face, t.index, pa * light.mean(t.face, s));  // p V psum(L)
+    const haar::Square seen = levels.p == 2 ? s : within_level1(p.n, s);
+    sink.mean(t.face, seen, pa * light.at(t.face, t.index));  // case 3: p L psum(V)
+    if (visible(t.index, levels.p)) sink.coefficient(t.face, t.index, pa * light.mean(t.face, s));  // p V psum(L)
   }
   for (const Term& t : kept_light)  // case 3: L V psum(p)
-    if (visible(t.index))
+    if (visible(t.index, levels.light))
       sink.coefficient(t.face, t.index, light.at(t.face, t.index) * p.mean(t.face, haar::place_of(t.index).square));
 }
 
@@ -95,8 +105,17 @@ class Evaluate {
     sum_ += double(weight) * double(haar::coefficient(v_.store, face, index));
   }
   void mean(int face, haar::Square s, float weight) {
+    const haar::Square block = within_level1(v_.store.n, s);
     const int size = int(v_.means.size()) / 6;
-    sum_ += double(weight) * double(v_.means[std::size_t(face) * size + haar::pyramid_index(s)]);
+    double value = double(v_.means[std::size_t(face) * size + haar::pyramid_index(block)]);
+    for (int level = block.level; level < s.level; ++level) {  // below the blocks: down through level 2
+      const int up = s.level - level;
+      const haar::Square over{level, s.i >> up, s.j >> up};
+      for (int m = 0; m < 3; ++m)
+        value += double((1 << level) * haar::sign_of(m, s.i >> (up - 1) & 1, s.j >> (up - 1) & 1)) *
+                 double(haar::coefficient(v_.store, face, haar::coefficient_index(over, m)));
+    }
+    sum_ += double(weight) * value;
   }
   double sum() const { return sum_; }
 

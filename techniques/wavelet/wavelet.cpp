@@ -50,7 +50,8 @@ class Wavelet : public Technique {
         all_(6 * n_ * n_),
         terms_(method == Method::dense ? all_ : p.integer("terms")),
         gamma_(method == Method::dense ? 0.0 : p.number("ranking")),
-        level_(method == Method::sparse ? p.integer("level") : 2),
+        levels_(method == Method::sparse ? Levels{p.integer("level"), p.integer("p_level")} : Levels{2, 2}),
+        by_effect_(method == Method::sparse && p.text("p_ranking") == "effect"),
         table_normals_(p.text("normals") == "table") {
     if (terms_ > all_) throw Error("{}: terms is {}, but resolution {} has only {}", name, terms_, n_, all_);
   }
@@ -104,7 +105,9 @@ class Wavelet : public Technique {
     for (const vec3& w : visibility_.directions()) lobe.push_back(std::max(0.0, double(glm::dot(normal, w))) / pi);
     if (method_ != Method::product) {
       plan.p = Function(n_, lobe);
-      plan.kept_p = method_ == Method::dense ? std::vector<Term>() : keep_largest(plan.p, terms_, gamma_);
+      if (method_ == Method::sparse)
+        plan.kept_p =
+            by_effect_ ? keep_largest_effect(plan.p, light_.channel, terms_) : keep_largest(plan.p, terms_, gamma_);
       return plan;
     }
     for (int c = 0; c < 3; ++c) {
@@ -127,7 +130,7 @@ class Wavelet : public Technique {
     if (method_ == Method::product) {
       inner_product(plan.product[c], plan.kept_product[c], sink);
     } else if (method_ == Method::sparse) {
-      triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], level_, sink);
+      triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], levels_, sink);
     } else {
       double sum = 0.0;
       for (int face = 0; face < 6; ++face) {
@@ -149,7 +152,7 @@ class Wavelet : public Technique {
       if (method_ == Method::product) {
         inner_product(plan.product[c], plan.kept_product[c], sink);
       } else if (method_ == Method::sparse) {
-        triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], level_, sink);
+        triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], levels_, sink);
       } else {  // all terms: the inner product with all of L p
         std::vector<double> lobe;
         for (const vec3& w : visibility_.directions()) lobe.push_back(std::max(0.0, double(glm::dot(normal, w))) / pi);
@@ -164,8 +167,8 @@ class Wavelet : public Technique {
   VisibilitySource visibility_;
   int n_, all_, terms_;
   double gamma_;
-  int level_;
-  bool table_normals_;
+  Levels levels_;
+  bool by_effect_, table_normals_;
   LightTerms light_;
   const Receivers* receivers_ = nullptr;
   std::vector<vec3> normals_;  ///< per receiver, as used: exact, or the nearest entry of the 6 x 8 x 8 table
@@ -262,11 +265,16 @@ Entry make_entry(const std::string& name, Method method, bool simd) {
   if (method != Method::dense) {
     entry.parameters.push_back(
         integer_parameter("terms", 200, 1, 6 * 64 * 64, "wavelets", "kept per channel besides the six scales"));
-    entry.parameters.push_back(number_parameter("ranking", method == Method::sparse ? 1.0 : 0.0, 0.0, 4.0, "",
-                                                "gamma: terms are ranked by |c| 2^(-gamma level)"));
+    entry.parameters.push_back(
+        number_parameter("ranking", 1.0, 0.0, 4.0, "", "gamma: terms are ranked by |c| 2^(-gamma level)"));
   }
-  if (method == Method::sparse)
+  if (method == Method::sparse) {
     entry.parameters.push_back(choice_parameter("level", {2, 1}, "levels of V in the light's loop: 1 GPU-I, 2 GPU-II"));
+    entry.parameters.push_back(
+        choice_parameter("p_level", {1, 2}, "levels of V in the cosine's loop; the paper has 1"));
+    entry.parameters.push_back(choice_parameter(
+        "p_ranking", {"size", "effect"}, "terms of the cosine kept by their size, or by their effect under the light"));
+  }
   if (simd) entry.make = [=](const Parameters& p) { return std::make_unique<WaveletSimd>(p, method, name); };
   else entry.make = [=](const Parameters& p) { return std::make_unique<Wavelet>(p, method, name); };
   entry.parity = 1e-4;

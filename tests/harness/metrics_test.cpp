@@ -45,6 +45,14 @@ TEST(Metrics, ChannelsCountEach) {
   EXPECT_NEAR(e.mean_signed, 0.1, 1e-6);
 }
 
+TEST(Metrics, NegativeValuesAreCountedNotClamped) {
+  const Errors e = compare_images(grey({-1, 0, -2}, 3), grey({0, 0, 0}, 3), std::vector<Region>(3, Region::lit),
+                                  {true, true, true}, 1)
+                       .all;
+  EXPECT_EQ(e.negative, 6u);
+  EXPECT_NEAR(e.mean_signed, -1.0, 1e-7);
+}
+
 TEST(Metrics, InvalidReceiversDoNotCount) {
   const Image reference = grey({1, 5}, 2), image = grey({1, 0}, 2);
   const Errors e = compare_images(image, reference, std::vector<Region>(2, Region::lit), {true, false}, 1.0).all;

@@ -1,0 +1,102 @@
+#include "harness/published.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "scenes/assets.h"
+#include "scenes/error.h"
+
+namespace penumbra {
+namespace {
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+}  // namespace
+
+PublishedTable PublishedTable::load(const std::string& name) {
+  const std::string path = data_folder() + "/../results/published/" + name + ".csv";
+  std::ifstream file(path);
+  if (!file) throw Error("published table '{}' is missing: no {}", name, path);
+  PublishedTable table;
+  std::vector<std::string> columns;
+  int number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    if (line.starts_with("#")) {
+      if (table.title_.empty()) table.title_ = line.substr(2);
+      continue;
+    }
+    const std::vector<std::string> cells = cells_of(line);
+    if (columns.empty()) {
+      columns = cells;
+      if (columns.size() < 3 || columns.back() != "fps")
+        throw Error("{}:{}: the last column must be fps", path, number);
+      continue;
+    }
+    if (cells.size() != columns.size()) throw Error("{}:{}: {} columns expected", path, number, columns.size());
+    Line entry;
+    for (std::size_t k = 0; k + 2 < cells.size(); ++k) entry.keys[columns[k]] = cells[k];
+    entry.device = cells[cells.size() - 2];
+    try {
+      entry.fps = std::stod(cells.back());
+    } catch (const std::exception&) {
+      throw Error("{}:{}: '{}' is not a number", path, number, cells.back());
+    }
+    if (std::find(table.devices_.begin(), table.devices_.end(), entry.device) == table.devices_.end())
+      table.devices_.push_back(entry.device);
+    table.lines_.push_back(std::move(entry));
+  }
+  return table;
+}
+
+std::map<std::string, double> PublishedTable::lookup(const Row& row) const {
+  std::map<std::string, double> found;
+  for (const Line& line : lines_) {
+    const bool same = std::all_of(line.keys.begin(), line.keys.end(), [&](const auto& key) {
+      if (key.first == "spheres") return std::to_string(row.spheres) == key.second;
+      const auto at = row.parameters.all().find(key.first);
+      return at != row.parameters.all().end() && to_string(at->second) == key.second;
+    });
+    if (same) found[line.device] = line.fps;
+  }
+  return found;
+}
+
+std::string make_published_table(const PublishedTable& table, const std::vector<Row>& rows) {
+  std::string text = fmt::format(
+      "\n## Beside the published figures\n\n{}\n\n| scene | variant | spheres | terms | fps |", table.title());
+  for (const std::string& device : table.devices()) text += fmt::format(" published {0} | x {0} |", device);
+  text += " spheres % | cube % | truth % |\n|---|---|---|---|---|";
+  for (std::size_t k = 0; k < 2 * table.devices().size() + 3; ++k) text += "---|";
+  text += "\n";
+  const auto percent = [](const Row& row, const char* rung) {
+    const auto at = row.errors.find(rung);
+    return at == row.errors.end() ? std::string() : fmt::format("{:.3g}", 100.0 * at->second.report.all.rel_rmse);
+  };
+  for (const Row& row : rows) {
+    const auto published = row.ok() ? table.lookup(row) : std::map<std::string, double>();
+    if (published.empty()) continue;
+    const double fps = 1e3 / row.median_frame_ms();
+    const auto& parameters = row.parameters.all();
+    const std::string level = parameters.contains("level") ? " level " + to_string(parameters.at("level")) : "";
+    text += fmt::format("| {} | {} {}{}, {} threads | {} | {} | **{:.1f}** |", row.scene, row.technique, row.backend,
+                        level, row.threads, row.spheres, to_string(parameters.at("terms")), fps);
+    for (const std::string& device : table.devices()) {
+      const auto at = published.find(device);
+      text += at == published.end() ? " | |" : fmt::format(" {} | {:.1f} |", at->second, fps / at->second);
+    }
+    text += fmt::format(" {} | {} | {} |\n", percent(row, "spheres"), percent(row, "cube"), percent(row, "truth"));
+  }
+  return text;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,40 @@
+// Published tables beside our rows.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "harness/results.h"
+
+namespace penumbra {
+
+/// A table of results/published: lines of "# comment", one of column names, then values. The last column is the
+/// published frames per second, the one before it names the device; all others are matched against a row's parameters
+/// (and "spheres") of the same name.
+class PublishedTable {
+ public:
+  /// Name as in results/published/NAME.csv. Throws Error if it is missing or malformed.
+  static PublishedTable load(const std::string& name);
+
+  /// Published frames per second by device for a row; empty if nothing matches.
+  std::map<std::string, double> lookup(const Row& row) const;
+  const std::vector<std::string>& devices() const { return devices_; }
+  const std::string& title() const { return title_; }
+
+ private:
+  struct Line {
+    std::map<std::string, std::string> keys;
+    std::string device;
+    double fps;
+  };
+  std::string title_;
+  std::vector<Line> lines_;
+  std::vector<std::string> devices_;
+};
+
+/// Markdown: our frames per second beside the published ones, with ratios and errors. Rows without a match are left
+/// out.
+std::string make_published_table(const PublishedTable& table, const std::vector<Row>& rows);
+
+}  // namespace penumbra
