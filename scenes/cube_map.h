@@ -40,17 +40,20 @@ PENUMBRA_HD inline vec3 cube_direction(int face, float s, float t) {
 PENUMBRA_HD inline int cube_face(vec3 d, float& s, float& t) {
   const float ax = d.x < 0 ? -d.x : d.x, ay = d.y < 0 ? -d.y : d.y, az = d.z < 0 ? -d.z : d.z;
   if (ax >= ay && ax >= az && ax > 0) {
-    s = (d.x > 0 ? -d.z : d.z) / ax;
-    t = -d.y / ax;
+    const float inverse = 1.0f / ax;
+    s = (d.x > 0 ? -d.z : d.z) * inverse;
+    t = -d.y * inverse;
     return d.x > 0 ? 0 : 1;
   }
   if (ay >= az && ay > 0) {
-    s = d.x / ay;
-    t = (d.y > 0 ? d.z : -d.z) / ay;
+    const float inverse = 1.0f / ay;
+    s = d.x * inverse;
+    t = (d.y > 0 ? d.z : -d.z) * inverse;
     return d.y > 0 ? 2 : 3;
   }
-  s = (d.z > 0 ? d.x : -d.x) / az;
-  t = -d.y / az;
+  const float inverse = 1.0f / az;
+  s = (d.z > 0 ? d.x : -d.x) * inverse;
+  t = -d.y * inverse;
   return d.z > 0 ? 4 : 5;
 }
 

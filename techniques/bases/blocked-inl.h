@@ -73,11 +73,11 @@ HWY_INLINE void FindEntries(const BlockedJob& job, int first, int count, vec3 x,
     const VF radius = hn::LoadU(d, &s.radius[k]);
     const VF d2 = hn::Add(hn::Add(hn::Mul(tx, tx), hn::Mul(ty, ty)), hn::Mul(tz, tz));
     const VF r2 = hn::Mul(radius, radius);
-    const VF ratio = hn::Div(radius, hn::Sqrt(d2));
+    const VF ratio2 = hn::Div(r2, d2);
 
     auto bin = hn::Zero(di);
     for (int b = 0; b + 1 < SphereTable::bins; ++b) {
-      const auto above = hn::RebindMask(di, hn::Ge(ratio, hn::Set(d, job.table->thresholds()[b])));
+      const auto above = hn::RebindMask(di, hn::Ge(ratio2, hn::Set(d, job.table->thresholds()[b])));
       bin = hn::Sub(bin, hn::VecFromMask(di, above));  // a mask is -1
     }
 
@@ -87,12 +87,12 @@ HWY_INLINE void FindEntries(const BlockedJob& job, int first, int count, vec3 x,
     const auto on_y = hn::Ge(ay, az);
     const VF major = hn::IfThenElse(on_x, tx, hn::IfThenElse(on_y, ty, tz));
     const auto positive = hn::Gt(major, zero);
-    const VF length = hn::Abs(major);
+    const VF inverse = hn::Div(one, hn::Abs(major));
     const VF s_x = hn::IfThenElse(positive, hn::Neg(tz), tz);
     const VF s_z = hn::IfThenElse(positive, tx, hn::Neg(tx));
     const VF t_y = hn::IfThenElse(positive, tz, hn::Neg(tz));
-    const VF u = hn::Div(hn::IfThenElse(on_x, s_x, hn::IfThenElse(on_y, tx, s_z)), length);
-    const VF v = hn::Div(hn::IfThenElse(hn::AndNot(on_x, on_y), t_y, hn::Neg(ty)), length);
+    const VF u = hn::Mul(hn::IfThenElse(on_x, s_x, hn::IfThenElse(on_y, tx, s_z)), inverse);
+    const VF v = hn::Mul(hn::IfThenElse(hn::AndNot(on_x, on_y), t_y, hn::Neg(ty)), inverse);
     const auto to_index = [&](VF c) HWY_ATTR {
       const auto at = hn::ConvertTo(di, hn::Mul(hn::Add(c, one), half_n));
       return hn::Min(hn::Max(at, hn::Zero(di)), hn::Set(di, n - 1));

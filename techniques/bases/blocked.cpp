@@ -43,4 +43,15 @@ std::uint64_t lines_above_horizon(const LineCones& cones, vec3 normal) {
   return active;
 }
 
+std::vector<int> tile_order(int width, int height) {
+  constexpr int tile = 8;
+  std::vector<int> order;
+  order.reserve(std::size_t(width) * height);
+  for (int y0 = 0; y0 < height; y0 += tile)
+    for (int x0 = 0; x0 < width; x0 += tile)
+      for (int y = y0; y < std::min(height, y0 + tile); ++y)
+        for (int x = x0; x < std::min(width, x0 + tile); ++x) order.push_back(y * width + x);
+  return order;
+}
+
 }  // namespace penumbra

@@ -35,6 +35,10 @@ struct BlockedJob {
   const SphereTable* table;             ///< null: rasterise exactly
   const RayScene* rays;                 ///< not null: trace the mesh instead of spheres
   const std::vector<vec3>* directions;  ///< for rays
+  const std::vector<int>* order;        ///< receivers in 8 x 8 tiles: neighbours look up the same table entries
 };
+
+/// Indices of width x height receivers, tile after tile.
+std::vector<int> tile_order(int width, int height);
 
 }  // namespace penumbra

@@ -31,7 +31,7 @@ SphereTable::SphereTable(int n, RadiusBins scheme) : n_(n) {
     const double half = 0.5 * pi;
     const double upper = scheme == RadiusBins::uniform_angle ? std::sin(half * (k + 1) / bins) : (k + 1.0) / bins;
     const double middle = scheme == RadiusBins::uniform_angle ? half * (k + 0.5) / bins : std::asin((k + 0.5) / bins);
-    thresholds_[k] = k + 1 < bins ? float(upper) : 2.0f;
+    thresholds_[k] = k + 1 < bins ? float(upper * upper) : 2.0f;
     cosines_[k] = float(std::cos(middle));
   }
   const std::size_t huge_page = std::size_t(2) << 20;
@@ -69,11 +69,12 @@ void SphereTable::build_direction(int texel, const std::vector<vec3>& directions
 int SphereTable::entry(vec3 centre, float radius, vec3 x) const {
   const vec3 to = centre - x;
   const float d2 = dot_in_order(to, to);
-  if (!(radius * radius > 0.0f)) return -2;
-  if (!(radius * radius < d2)) return -1;
-  const float ratio = radius / std::sqrt(d2);
+  const float r2 = radius * radius;
+  if (!(r2 > 0.0f)) return -2;
+  if (!(r2 < d2)) return -1;
+  const float ratio2 = r2 / d2;
   int bin = 0;
-  while (ratio >= thresholds_[bin]) ++bin;
+  while (ratio2 >= thresholds_[bin]) ++bin;
   return cube_texel(to, n_) * bins + bin;
 }
 

@@ -32,7 +32,8 @@ class SphereTable {
 
   const std::uint32_t* data() const { return data_.get(); }
   const std::uint16_t* masks() const { return masks_.data(); }
-  /// Bin k holds thresholds()[k - 1] <= r < thresholds()[k]; 31 thresholds and one above every r.
+  /// Bin k holds thresholds()[k - 1] <= r^2 < thresholds()[k] (squares cost no root); 31 thresholds and one above every
+  /// r.
   const std::array<float, bins>& thresholds() const { return thresholds_; }
   /// Cosine of the angular radius that stands for bin k.
   float cosine(int bin) const { return cosines_[bin]; }

@@ -30,6 +30,7 @@ void VisibilitySource::prepare(const Scene& scene) {
   receivers_ = &scene.receivers;
   spheres_ = &scene.spheres;
   lanes_.assign(scene.spheres);
+  order_ = tile_order(scene.receivers.width, scene.receivers.height);
 }
 
 void VisibilitySource::update(const Frame& frame) {
@@ -37,6 +38,7 @@ void VisibilitySource::update(const Frame& frame) {
   spheres_ = &frame.spheres;
   if (frame.changed.mesh && kind_ == Kind::rays) rays_.build(frame.mesh);
   if (frame.changed.spheres) lanes_.assign(frame.spheres);
+  if (frame.changed.receivers) order_ = tile_order(frame.receivers.width, frame.receivers.height);
 }
 
 void VisibilitySource::find_blocked(int i, BitCube& blocked) const {
@@ -48,8 +50,8 @@ void VisibilitySource::find_blocked(int i, BitCube& blocked) const {
 }
 
 BlockedJob VisibilitySource::job() const {
-  return {receivers_,  &lanes_, &cones_, table_ ? &*table_ : nullptr, kind_ == Kind::rays ? &rays_ : nullptr,
-          &directions_};
+  return {receivers_,   &lanes_, &cones_, table_ ? &*table_ : nullptr, kind_ == Kind::rays ? &rays_ : nullptr,
+          &directions_, &order_};
 }
 
 Footprint VisibilitySource::footprint() const {

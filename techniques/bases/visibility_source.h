@@ -45,6 +45,7 @@ class VisibilitySource {
   std::optional<SphereTable> table_;
   RayScene rays_;
   SphereLanes lanes_;
+  std::vector<int> order_;
   const Receivers* receivers_ = nullptr;
   const SphereSet* spheres_ = nullptr;
 };

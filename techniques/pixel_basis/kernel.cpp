@@ -93,7 +93,8 @@ void Shade(const Job& job, int begin, int end, vec3* radiance) {
   const Receivers& r = *job.blocked.receivers;
   Blocked blocked;
   BitCube traced(job.blocked.rays ? job.blocked.cones->n : 0);
-  for (int i = begin; i < end; ++i) {
+  for (int k = begin; k < end; ++k) {
+    const int i = (*job.blocked.order)[k];
     if (!r.valid(i)) {
       radiance[i] = vec3(0.0f);
       continue;

@@ -33,7 +33,7 @@ struct Job {
   const std::vector<std::uint16_t>* weight_of;  ///< index into weights per receiver
 };
 
-/// Shades receivers [begin, end).
+/// Shades the receivers that are [begin, end) in the job's order.
 void shade(const Job& job, int begin, int end, vec3* radiance);
 
 /// Name of the instruction set that shade() runs on.

@@ -155,7 +155,8 @@ void Shade(const Job& job, int begin, int end, vec3* radiance) {
   Batch state;
   state.counts.resize(std::size_t(6) * job.blocked.cones->n * job.blocked.cones->n / 16 * batch);
   int which[batch], count = 0;
-  for (int i = begin; i < end; ++i) {
+  for (int k = begin; k < end; ++k) {
+    const int i = (*job.blocked.order)[k];
     if (!receivers.valid(i)) {
       radiance[i] = vec3(0.0f);
       continue;

@@ -15,7 +15,7 @@ struct Job {
   const std::vector<std::uint16_t>* plan_of;   ///< per receiver
 };
 
-/// Shades receivers [begin, end), radiance without albedo times albedo.
+/// Shades the receivers that are [begin, end) in the job's order, radiance without albedo times albedo.
 void shade(const Job& job, int begin, int end, vec3* radiance);
 
 std::string target();

