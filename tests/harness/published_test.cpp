@@ -1,0 +1,37 @@
+#include "harness/published.h"
+
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+Row wavelet_row(int spheres, int terms, double ms) {
+  Row row;
+  row.scene = "s", row.technique = "wavelet", row.backend = "simd";
+  row.spheres = std::size_t(spheres);
+  row.parameters.set("terms", terms);
+  row.frame_ms = {ms};
+  return row;
+}
+
+TEST(Published, Table2OfZhaoAndChe) {
+  const PublishedTable table = PublishedTable::load("zhao-che-2011-table2");
+  EXPECT_EQ(table.devices(), (std::vector<std::string>{"cpu", "gpu-1", "gpu-2"}));
+  const auto fps = table.lookup(wavelet_row(128, 200, 10));
+  EXPECT_EQ(fps, (std::map<std::string, double>{{"cpu", 0.83}, {"gpu-1", 14.10}, {"gpu-2", 12.80}}));
+  EXPECT_TRUE(table.lookup(wavelet_row(128, 201, 10)).empty());
+  EXPECT_TRUE(table.lookup(Row()).empty()) << "rows without terms are not in the table";
+}
+
+TEST(Published, PrintsRatios) {
+  const std::string text =
+      make_published_table(PublishedTable::load("zhao-che-2011-table2"), {wavelet_row(32, 50, 1000.0 / 63.06)});
+  EXPECT_NE(text.find("**63.1** | 2.91 | 21.7 | 34.45 | 1.8 | 31.53 | 2.0 |"), std::string::npos) << text;
+}
+
+TEST(Published, MissingTablesAreErrors) {
+  EXPECT_NE(test::error_of([] { PublishedTable::load("nobody-1999"); }).find("nobody-1999"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace penumbra
