@@ -5,4 +5,4 @@ cd "$(dirname "$0")/.."
 scripts/setup.sh
 scripts/build.sh release -DPENUMBRA_TESTS=ON
 .venv/bin/python scripts/check_metrics.py
-ctest --preset release --parallel "$(nproc)"
+ctest --preset release --parallel "$(nproc)" --output-on-failure
