@@ -1,14 +1,10 @@
-// Vector types, constants and the host/device marker that scalar, SIMD and CUDA code share.
+// Vector types and constants that scalar, SIMD and CUDA code share.
 #pragma once
 
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#ifdef __CUDACC__
-#define PENUMBRA_HD __host__ __device__
-#else
-#define PENUMBRA_HD
-#endif
+#include "cuda/host_device.h"
 
 namespace penumbra {
 
