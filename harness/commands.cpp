@@ -11,7 +11,6 @@
 #include "scenes/assets.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
-#include "scenes/shapes.h"
 #include "techniques/registry.h"
 
 namespace penumbra {
@@ -101,28 +100,11 @@ void reference(const ReferenceOptions& options) {
   const Reference r =
       options.fresh ? compute_reference(frame, rung, settings) : cached_reference(frame, rung, settings);
   const auto valid = valid_receivers(frame.receivers);
-  double energy = 0.0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < valid.size(); ++i)
-    if (valid[i]) energy += glm::dot(dvec3(r.mean.pixels[i]), dvec3(r.mean.pixels[i])), ++count;
-  const double rms = count ? std::sqrt(energy / (3.0 * double(count))) : 0.0;
+  const double scale = rms(r.mean, valid);
   fmt::print("{} {}: {} receivers, {} rays each, {:.2f} s{}, RMS {:.5g} W m^-2 sr^-1, standard error {:.3g} % of it\n",
              scene.name, to_string(rung), valid.size(), r.rays_per_receiver, r.seconds,
-             r.from_cache ? " (from the cache)" : "", rms, rms > 0 ? 100.0 * r.noise(valid) / rms : 0.0);
+             r.from_cache ? " (from the cache)" : "", scale, scale > 0 ? 100.0 * r.noise(valid) / scale : 0.0);
   if (!options.output.empty()) save(options.output, r.mean, valid);
-}
-
-void fit(const FitOptions& options) {
-  Mesh mesh;
-  if (!make_shape(options.mesh, mesh)) {
-    const std::string file = asset_file(options.mesh, "mesh");
-    mesh = load_mesh(file.empty() ? options.mesh : file);
-  }
-  const auto start = std::chrono::steady_clock::now();
-  const SphereSet set = fit_spheres(mesh, options.spheres);
-  save_spheres(options.output, set);
-  fmt::print("{}: {} spheres in {:.2f} s (k-means, equal second moment)\n", options.output, set.size(),
-             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 
 }  // namespace penumbra

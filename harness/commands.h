@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "scenes/fit/fit.h"
 #include "techniques/parameters.h"
 
 namespace penumbra {
@@ -24,9 +25,10 @@ struct ReferenceOptions {
 void reference(const ReferenceOptions& options);
 
 struct FitOptions {
-  std::string mesh, output;
-  int spheres = 64;
+  std::string mesh, output;  ///< mesh: asset, shape or file; output: .json, beside it a picture of the same name in .png
+  FitRequest request;
 };
+/// Fits spheres, writes them and a picture, prints what they are worth.
 void fit(const FitOptions& options);
 
 }  // namespace penumbra

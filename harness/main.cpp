@@ -1,7 +1,8 @@
 // The command line: penumbra list | run | render | reference | fit.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/global_control.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -67,15 +68,28 @@ void add_reference(CLI::App& app) {
 void add_fit(CLI::App& app) {
   auto* command = app.add_subcommand("fit", "Fit spheres to a mesh");
   static FitOptions options;
+  static std::string objective, assignment;
   command->add_option("mesh", options.mesh, "Asset name, shape or mesh file")->required();
-  command->add_option("--spheres", options.spheres, "How many")->required()->check(CLI::Range(1, 4096));
-  command->add_option("-o", options.output, "JSON file for scene files")->required();
-  command->callback([] { fit(options); });
+  command->add_option("--spheres", options.request.spheres, "How many")->required()->check(CLI::Range(1, 4096));
+  command->add_option("--objective", objective, std::string("What to fit for: ") + objective_names)
+      ->default_val(to_string(options.request.objective));
+  command->add_option("--assignment", assignment, "cover: nearest, or flood as published")
+      ->default_val("nearest")
+      ->check(CLI::IsMember({"nearest", "flood"}));
+  command->add_option("--seed", options.request.seed, "Same seed, same spheres")->default_val(1);
+  command->add_option("-o", options.output, "JSON file for scene files; a picture of the same name beside it")->required();
+  command->callback([] {
+    options.request.objective = parse_objective(objective);
+    options.request.assignment = assignment == "flood" ? Assignment::flood : Assignment::nearest;
+    fit(options);
+  });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("penumbra"));  // stdout is for results
+  spdlog::set_pattern("%v");
   CLI::App app{"penumbra: speed against error of shadow techniques"};
   app.require_subcommand(1);
   int exit_code = 0;

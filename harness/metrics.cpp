@@ -65,11 +65,10 @@ ErrorReport compare_images(const Image& image, const Image& reference, const std
   const std::vector<float> flip = windowed ? flip_map(image, reference, exposure) : std::vector<float>();
 
   Sums all, by_region[3];
-  double energy = 0.0, peak = 0.0;
+  double peak = 0.0;
   for (std::size_t i = 0; i < size; ++i) {
     if (!valid[i]) continue;
     const vec3 r = reference.pixels[i];
-    energy += glm::dot(dvec3(r), dvec3(r));
     peak = std::max({peak, double(r.x), double(r.y), double(r.z)});
     Sums* sets[2] = {&all, regions[i] == Region::none ? nullptr : &by_region[int(regions[i]) - 1]};
     for (Sums* set : sets) {
@@ -80,11 +79,25 @@ ErrorReport compare_images(const Image& image, const Image& reference, const std
       if (!std::isnan(ssim[i])) set->ssim += double(ssim[i]), ++set->windows;
     }
   }
-  const double rms = all.count ? std::sqrt(energy / (3.0 * double(all.count))) : 0.0;
+  const double scale = rms(reference, valid);
   ErrorReport report;
-  report.all = all.finish(rms, peak, windowed, windowed);
-  for (int k = 0; k < 3; ++k) report.region[k] = by_region[k].finish(rms, peak, windowed, windowed);
+  report.all = all.finish(scale, peak, windowed, windowed);
+  for (int k = 0; k < 3; ++k) report.region[k] = by_region[k].finish(scale, peak, windowed, windowed);
   return report;
+}
+
+double rms(const Image& image, const std::vector<bool>& valid) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < valid.size(); ++i)
+    if (valid[i]) sum += glm::dot(dvec3(image.pixels[i]), dvec3(image.pixels[i])), ++count;
+  return count ? std::sqrt(sum / (3.0 * double(count))) : 0.0;
+}
+
+Image difference(const Image& image, const Image& reference) {
+  Image out = image;
+  for (std::size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] -= reference.pixels[i];
+  return out;
 }
 
 double exposure_for(const Image& reference, const std::vector<bool>& valid) {

@@ -40,6 +40,12 @@ struct ErrorReport {
 ErrorReport compare_images(const Image& image, const Image& reference, const std::vector<Region>& regions,
                            const std::vector<bool>& valid, double exposure);
 
+/// RMS over valid receivers and channels, W m^-2 sr^-1; 0 if none is valid.
+double rms(const Image& image, const std::vector<bool>& valid);
+
+/// image - reference, receiver by receiver.
+Image difference(const Image& image, const Image& reference);
+
 /// Exposure that maps the brightest percentile of a reference to 0.8 of white.
 double exposure_for(const Image& reference, const std::vector<bool>& valid);
 

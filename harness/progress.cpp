@@ -31,6 +31,17 @@ void Progress::step(const std::string& what) {
   ++done_;
 }
 
+void Progress::share(const std::string& what, double share) {
+  if (terminal_) {
+    clear();
+    fmt::print(stderr, "{}, {:.0f} %", what, 100.0 * share);
+    std::fflush(stderr);
+  } else if (what != last_) {
+    fmt::print(stderr, "{}\n", what);
+  }
+  last_ = what;
+}
+
 void Progress::note(const std::string& text) {
   clear();
   fmt::print(stderr, "{}\n", text);

@@ -8,10 +8,12 @@ namespace penumbra {
 
 class Progress {
  public:
-  explicit Progress(int steps);
+  explicit Progress(int steps = 0);
   ~Progress();
   /// A step begins; steps that take long relative to others make the estimate rough.
   void step(const std::string& what);
+  /// How far one long piece of work is, share in [0, 1]: its own line on a terminal, a line per `what` elsewhere.
+  void share(const std::string& what, double share);
   /// Something worth keeping on screen.
   void note(const std::string& text);
 
@@ -19,6 +21,7 @@ class Progress {
   void clear();
   bool terminal_;
   int steps_, done_ = 0;
+  std::string last_;
   std::chrono::steady_clock::time_point start_;
 };
 

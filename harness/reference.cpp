@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "harness/metrics.h"
 #include "scenes/error.h"
 #include "techniques/bases/light_sampling.h"
 #include "techniques/bases/pixel_sum.h"
@@ -132,14 +133,6 @@ class TruthSampler {
   std::vector<dvec3> sum_, squares_, open_;
   int rounds_ = 0;
 };
-
-double rms(const Image& image, const std::vector<bool>& valid) {
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < valid.size(); ++i)
-    if (valid[i]) sum += glm::dot(dvec3(image.pixels[i]), dvec3(image.pixels[i])), ++count;
-  return count ? std::sqrt(sum / (3.0 * double(count))) : 0.0;
-}
 
 void compute_truth(const Frame& frame, const ReferenceSettings& settings, Reference& out) {
   TruthSampler sampler(frame, out);

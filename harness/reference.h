@@ -53,7 +53,4 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
 /// are truncated, damaged or of another key are rebuilt with a warning. An unwritable cache is a warning, not an error.
 Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings);
 
-/// $PENUMBRA_CACHE, else $XDG_CACHE_HOME/penumbra, else ~/.cache/penumbra.
-std::string cache_folder();
-
 }  // namespace penumbra

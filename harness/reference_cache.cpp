@@ -1,12 +1,11 @@
 // References on disk: EXR files named by the hash of what they depend on, with a checksum of their pixels inside.
-#include <OpenImageIO/hash.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include "harness/reference.h"
+#include "scenes/cache.h"
 #include "scenes/error.h"
 
 namespace penumbra {
@@ -14,29 +13,7 @@ namespace {
 
 constexpr int format_version = 3;  // raise when a rung's algorithm changes: old files are then never looked at
 
-class Hash {
- public:
-  template <class T>
-  void add(const std::vector<T>& values) {
-    const std::uint64_t size = values.size();
-    add_value(size);
-    sha_.append(values.data(), values.size() * sizeof(T));
-  }
-  template <class T>
-  void add_value(const T& value) {
-    static_assert(std::is_arithmetic_v<T>);
-    sha_.append(&value, sizeof value);
-  }
-  void add_vec(vec3 v) {
-    for (int c = 0; c < 3; ++c) add_value(v[c]);
-  }
-  std::string digest() { return sha_.digest(); }
-
- private:
-  OIIO::SHA1 sha_;
-};
-
-void add_light(Hash& hash, const Light& light) {
+void add_light(ContentHash& hash, const Light& light) {
   if (const Environment* e = environment_of(light)) {
     hash.add_value(int(e->mapping));
     hash.add_value(e->width);
@@ -110,7 +87,7 @@ void store(const std::string& path, const std::string& key, const Reference& r) 
 }  // namespace
 
 std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
-  Hash hash;
+  ContentHash hash;
   hash.add_value(format_version);
   hash.add_value(int(rung));
   if (rung == Rung::truth) hash.add_value(settings.truth_noise), hash.add_value(settings.most_rays);
@@ -118,8 +95,7 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
   if (rung == Rung::spheres) {
     for (const Sphere& s : frame.spheres.spheres) hash.add_vec(s.centre), hash.add_value(s.radius);
   } else {
-    hash.add(frame.mesh.positions);
-    hash.add(frame.mesh.triangles);
+    hash.add_mesh(frame.mesh);
   }
   const Receivers& r = frame.receivers;
   hash.add_value(r.width);
@@ -129,13 +105,6 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
   hash.add(r.on_occluder);
   add_light(hash, frame.light);
   return hash.digest();
-}
-
-std::string cache_folder() {
-  if (const char* folder = std::getenv("PENUMBRA_CACHE")) return folder;
-  if (const char* folder = std::getenv("XDG_CACHE_HOME")) return std::string(folder) + "/penumbra";
-  const char* home = std::getenv("HOME");
-  return (home ? std::string(home) : std::string("/tmp")) + "/.cache/penumbra";
 }
 
 Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings) {

@@ -55,10 +55,16 @@ Parameters parameters_from(const json& in) {
 
 }  // namespace
 
-std::string Row::name() const {
-  std::string text = scene + "/spheres:" + std::to_string(spheres) + "/" + technique + "/" + backend;
+std::string Row::variant() const {
+  std::string text = technique + "/" + backend;
   for (const auto& [key, value] : parameters.all()) text += "/" + key + ":" + to_string(value);
   return text + "/threads:" + std::to_string(threads);
+}
+
+std::string Row::name() const {
+  std::string text = scene + "/spheres:" + std::to_string(spheres);
+  if (!objective.empty()) text += "/objective:" + objective;
+  return text + "/" + variant();
 }
 
 double Row::median_frame_ms() const {
@@ -87,6 +93,7 @@ json to_json(const Row& row) {
   out["scene"] = row.scene;
   out["scene_key"] = row.scene_key;
   out["spheres"] = row.spheres;
+  out["objective"] = row.objective;
   out["receivers"] = row.receivers;
   out["technique"] = row.technique;
   out["backend"] = row.backend;
@@ -101,6 +108,13 @@ json to_json(const Row& row) {
   out["footprint"] = {
       {"tables", row.bytes.tables}, {"per_scene", row.bytes.per_scene}, {"per_frame", row.bytes.per_frame}};
   out["parity_rel_rmse"] = row.parity < 0 ? json(nullptr) : json(row.parity);
+  out["geometry_rel_rmse"] = row.geometry < 0 ? json(nullptr) : json(row.geometry);
+  if (row.sequence)
+    out["sequence"] = {{"rel_rmse", row.sequence->rel_rmse},
+                       {"flicker", row.sequence->flicker},
+                       {"coverage", row.sequence->coverage},
+                       {"rel_noise", row.sequence->rel_noise},
+                       {"carry_ms", row.sequence->carry_ms}};
   out["errors"] = json::object();
   for (const auto& [rung, errors] : row.errors) {
     json& at = out["errors"][rung] = errors_json(errors.report.all);
@@ -116,6 +130,7 @@ Row row_from_json(const json& in) {
   row.status = in.at("status");
   row.scene = in.at("scene"), row.scene_key = in.at("scene_key");
   row.spheres = in.at("spheres"), row.receivers = in.at("receivers");
+  row.objective = in.at("objective");
   row.technique = in.at("technique"), row.backend = in.at("backend");
   row.instruction_set = in.at("instruction_set");
   row.parameters = parameters_from(in.at("parameters"));
@@ -129,6 +144,11 @@ Row row_from_json(const json& in) {
   const json& bytes = in.at("footprint");
   row.bytes = {bytes.at("tables"), bytes.at("per_scene"), bytes.at("per_frame")};
   row.parity = in.at("parity_rel_rmse").is_null() ? -1.0 : double(in.at("parity_rel_rmse"));
+  row.geometry = in.at("geometry_rel_rmse").is_null() ? -1.0 : double(in.at("geometry_rel_rmse"));
+  if (in.contains("sequence")) {
+    const json& at = in.at("sequence");
+    row.sequence = {at.at("rel_rmse"), at.at("flicker"), at.at("coverage"), at.at("rel_noise"), at.at("carry_ms")};
+  }
   for (const auto& [rung, at] : in.at("errors").items()) {
     RungErrors& errors = row.errors[rung];
     errors.report.all = errors_from(at);

@@ -15,9 +15,19 @@ struct RungErrors {
   double rel_noise = 0.0;  ///< the same over the rung's RMS: relative RMSEs below it are ties
 };
 
+/// Errors over the frames of a motion, relative RMSE against each frame's truth.
+struct SequenceErrors {
+  std::vector<double> rel_rmse;  ///< per frame
+  std::vector<double> flicker;   ///< per pair of frames: RMS of the change of error, over the truth's RMS
+  std::vector<double> coverage;  ///< per frame: share of the mesh's surface in its spheres; empty without spheres
+  double rel_noise = 0.0;        ///< of the truth, mean over frames; flicker below sqrt(2) of it is noise
+  double carry_ms = 0.0;         ///< moving the spheres with the mesh, mean over frames
+};
+
 struct Row {
   std::string scene, scene_key;  ///< key: hash of all that the scene's truth depends on, plus its spheres
   std::size_t spheres = 0, receivers = 0;
+  std::string objective;  ///< that the spheres were fitted for; empty if they were given
   std::string technique, backend, instruction_set;
   Parameters parameters;
   int threads = 1;
@@ -28,9 +38,12 @@ struct Row {
   Footprint bytes;
   double parity = -1.0;                      ///< relative RMSE against the scalar twin; -1: is scalar
   std::map<std::string, RungErrors> errors;  ///< by rung
+  double geometry = -1.0;                    ///< relative RMSE from rung cube to rung spheres; -1: no such rungs
+  std::optional<SequenceErrors> sequence;    ///< where the suite asks for it
 
   bool ok() const { return status == "ok"; }
-  std::string name() const;  ///< unique within a run
+  std::string variant() const;  ///< technique, backend, parameters, threads
+  std::string name() const;     ///< unique within a run
   double median_frame_ms() const;
   double truth_error() const;  ///< relative RMSE against truth; infinity if there is none
 };
@@ -46,6 +59,9 @@ std::vector<Row> read_results(const std::string& directory);
 
 /// Markdown: per scene, rows by frame time and by error against truth; Pareto-optimal rows marked.
 std::string make_table(const std::vector<Row>& rows);
+
+/// Markdown: errors over a motion's frames; empty if no row has any.
+std::string make_sequence_table(const std::vector<Row>& rows);
 
 /// Rows of one scene that no other row beats in both frame time and error (ties in error within the noise count as
 /// equal).

@@ -37,7 +37,7 @@ std::vector<Case> load_cases(const Suite& suite, const std::string& filter) {
       Case item{load_scene(name, spheres), {}};
       for (const Variant& variant : suite.variants) {
         Row row;
-        row.scene = item.scene.name, row.spheres = item.scene.spheres.size();
+        row.scene = item.scene.name, row.spheres = item.scene.spheres.size(), row.objective = item.scene.objective;
         row.technique = variant.entry->name, row.backend = variant.entry->backend;
         row.parameters = variant.parameters, row.threads = variant.threads;
         if (std::regex_search(row.name(), wanted)) item.variants.push_back(variant);
@@ -49,7 +49,8 @@ std::vector<Case> load_cases(const Suite& suite, const std::string& filter) {
 }
 
 std::string image_folder(const RunOptions& options, const Scene& scene) {
-  return fmt::format("{}/images/{}-{}-spheres", options.directory, scene.name, scene.spheres.size());
+  return fmt::format("{}/images/{}-{}-spheres{}{}", options.directory, scene.name, scene.spheres.size(),
+                     scene.objective.empty() ? "" : "-", scene.objective);
 }
 
 /// Rows of an earlier run whose name and inputs are the same; their variants are taken out.
@@ -73,7 +74,7 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
   const auto published =
       suite.published.empty() ? std::optional<PublishedTable>() : PublishedTable::load(suite.published);
   const auto tables = [&](const std::vector<Row>& rows) {
-    return make_table(rows) + (published ? make_published_table(*published, rows) : "");
+    return make_table(rows) + make_sequence_table(rows) + (published ? make_published_table(*published, rows) : "");
   };
   std::vector<Case> cases = load_cases(suite, options.filter);
   const std::vector<Row> earlier = options.resume ? read_results(options.directory) : std::vector<Row>();
@@ -95,6 +96,7 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
       rows.insert(rows.end(), kept.begin(), kept.end());
       if (item.variants.empty()) continue;
       run.make_references(item.variants, progress);
+      if (suite.sequence) run.make_sequence(progress);
       const std::vector<Row> measured = run.measure(item.variants, repetitions, progress);
       rows.insert(rows.end(), measured.begin(), measured.end());
       write_results(options.directory, context, rows);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "harness/interrupt.h"
+#include "harness/pictures.h"
 #include "harness/run.h"
 #include "scenes/error.h"
 
@@ -22,24 +23,6 @@ std::string file_name(std::string name) {
   for (char& c : name)
     if (c == '/' || c == ':' || c == ' ') c = '-';
   return name;
-}
-
-Image exposed(const Image& image, double exposure) {
-  Image out = image;
-  for (vec3& p : out.pixels) p *= float(exposure);
-  return out;
-}
-
-/// Red where the image is too bright (leak), blue where it is too dark; full colour at a quarter of white.
-Image signed_error(const Image& image, const Image& reference, double exposure) {
-  Image out{image.width, image.height, {}};
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const double e =
-        std::clamp(4.0 * exposure * double(luminance(image.pixels[i]) - luminance(reference.pixels[i])), -1.0, 1.0);
-    const auto fade = float(1.0 - std::abs(e));
-    out.pixels.push_back(e >= 0 ? vec3(1.0f, fade, fade) : vec3(fade, fade, 1.0f));
-  }
-  return out;
 }
 
 }  // namespace
@@ -66,12 +49,21 @@ Row SceneRun::empty_row(const Variant& variant) const {
   row.scene = scene_.name;
   row.scene_key = key_;
   row.spheres = scene_.spheres.size();
+  row.objective = scene_.objective;
   row.receivers = std::size_t(scene_.receivers.size());
   row.technique = variant.entry->name;
   row.backend = variant.entry->backend;
   row.parameters = variant.parameters;
   row.threads = variant.threads;
   return row;
+}
+
+void SceneRun::make_sequence(Progress& progress) {
+  settings_.resolution = 0;
+  sequence_.emplace(scene_, settings_, [&](int frame) {
+    progress.share(fmt::format("{}: truths of {} frames", scene_.name, animation_.frames()),
+                   double(frame) / animation_.frames());
+  });
 }
 
 void SceneRun::make_references(const std::vector<Variant>& variants, Progress& progress) {
@@ -98,12 +90,14 @@ void SceneRun::score(const Image& image, const Parameters& parameters, Row& row)
     RungErrors& errors = row.errors[to_string(which.first)];
     errors.report = compare_images(image, reference.mean, regions_, valid_, exposure_);
     errors.noise = reference.noise(valid_);
-    double energy = 0.0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < valid_.size(); ++i)
-      if (valid_[i]) energy += glm::dot(dvec3(reference.mean.pixels[i]), dvec3(reference.mean.pixels[i])), ++count;
-    errors.rel_noise = energy > 0.0 ? errors.noise / std::sqrt(energy / (3.0 * double(count))) : 0.0;
+    const double scale = rms(reference.mean, valid_);
+    errors.rel_noise = scale > 0.0 ? errors.noise / scale : 0.0;
   }
+  const int n = resolution_of(parameters);
+  const auto cube = references_.find({Rung::cube, n}), spheres = references_.find({Rung::spheres, n});
+  if (cube == references_.end() || spheres == references_.end()) return;
+  const double scale = rms(cube->second.mean, valid_);
+  if (scale > 0.0) row.geometry = rms(difference(spheres->second.mean, cube->second.mean), valid_) / scale;
 }
 
 void SceneRun::shade_and_score(const Variant& variant, Candidate& c) const {
@@ -134,6 +128,9 @@ void SceneRun::shade_and_score(const Variant& variant, Candidate& c) const {
                                            c.row.parity, variant.entry->parity));
   }
   score(c.image, variant.parameters, c.row);
+  if (!sequence_) return;
+  const std::string sheet = image_directory_ + "/" + file_name(variant.label()) + ".sheet.png";
+  tbb::task_arena(variant.threads).execute([&] { c.row.sequence = sequence_->score(*c.technique, exposure_, sheet); });
 }
 
 SceneRun::Candidate SceneRun::check(const Variant& variant) const {

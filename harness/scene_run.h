@@ -2,8 +2,7 @@
 #pragma once
 
 #include "harness/progress.h"
-#include "harness/reference.h"
-#include "harness/results.h"
+#include "harness/sequence.h"
 #include "harness/timing.h"
 
 namespace penumbra {
@@ -15,6 +14,8 @@ class SceneRun {
 
   const std::string& key() const { return key_; }
   Row empty_row(const Variant& variant) const;
+  /// Truths of every frame: variants checked after this are scored over the whole motion too.
+  void make_sequence(Progress& progress);
   void make_references(const std::vector<Variant>& variants, Progress& progress);
   /// Checks every variant, times those that pass, and scores them. Rows come in the order of the variants; when
   /// interrupted, unfinished ones are left out.
@@ -43,6 +44,7 @@ class SceneRun {
   std::vector<bool> valid_;
   std::map<std::pair<Rung, int>, Reference> references_;  ///< by rung and resolution (0 where it has none)
   std::vector<Region> regions_;
+  std::optional<Sequence> sequence_;
   double exposure_ = 1.0;
 };
 

@@ -55,6 +55,26 @@ std::vector<int> integers_of(TomlReader& at, const std::string& key, int low, in
   return numbers;
 }
 
+/// Every count with every objective.
+std::vector<SphereChoice> sphere_choices(TomlReader& at) {
+  std::vector<std::optional<int>> counts;
+  for (const int count : integers_of(at, "spheres", 1, 4096)) counts.emplace_back(count);
+  if (counts.empty()) counts.emplace_back();
+  std::vector<std::optional<Objective>> objectives;
+  for (const std::string& name : texts_of(at, "objective")) {
+    try {
+      objectives.emplace_back(parse_objective(name));
+    } catch (const Error& e) {
+      at.fail("objective", e.what());
+    }
+  }
+  if (objectives.empty()) objectives.emplace_back();
+  std::vector<SphereChoice> choices;
+  for (const auto& count : counts)
+    for (const auto& objective : objectives) choices.push_back({count, objective});
+  return choices;
+}
+
 /// Every combination of the axes.
 std::vector<Parameters> combinations(TomlReader* at) {
   std::vector<Parameters> all(1);
@@ -101,10 +121,10 @@ Suite load_suite(const std::string& name_or_path, const Registry& registry, int 
   suite.name = file.required("name", file.text("name"), "a name for tables");
   suite.scenes = texts_of(file, "scenes");
   if (suite.scenes.empty()) throw Error("{}: key 'scenes' is missing: a list of scene names or paths", file.where());
-  for (const int count : integers_of(file, "spheres", 1, 4096)) suite.spheres.emplace_back(count);
-  if (suite.spheres.empty()) suite.spheres.emplace_back();
+  suite.spheres = sphere_choices(file);
   suite.repetitions = file.integer("repetitions", 1, 1000).value_or(9);
   suite.truth_noise = file.number("truth_noise", 1e-5, 1.0).value_or(0.002);
+  suite.sequence = file.boolean("sequence").value_or(false);
   suite.published = file.text("published").value_or("");
   std::vector<int> counts = integers_of(file, "threads", 1, 1024);
   if (threads > 0) counts = {threads};

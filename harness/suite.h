@@ -1,8 +1,7 @@
 // Suites: which techniques on which scenes. The format is described in docs/suites.md.
 #pragma once
 
-#include <optional>
-
+#include "scenes/scene_file.h"
 #include "techniques/registry.h"
 
 namespace penumbra {
@@ -18,10 +17,11 @@ struct Variant {
 struct Suite {
   std::string name;
   std::vector<std::string> scenes;
-  std::vector<std::optional<int>> spheres;  ///< sphere counts that replace the scenes' own; one empty entry: their own
+  std::vector<SphereChoice> spheres;  ///< what replaces the scenes' own sphere sets; one empty entry: nothing does
   std::vector<Variant> variants;
   int repetitions = 9;
   double truth_noise = 0.002;
+  bool sequence = false;  ///< score every frame of a motion, not one
   std::string published;  ///< table of results/published to print beside, or empty
 };
 

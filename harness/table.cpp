@@ -56,20 +56,22 @@ std::string optional_number(const std::optional<double>& value) {
 void append_rows(const std::vector<const Row*>& rows, const std::vector<const Row*>& scene_rows, std::string& text) {
   text +=
       "| | technique | backend | parameters | threads | spheres | prepare ms | update ms | shade ms | frame ms | "
-      "MiB | truth % | cube % | spheres % | 13x13 % | signed | negative | PSNR | SSIM | FLIP |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "MiB | truth % | cube % | spheres % | geometry % | 13x13 % | signed | negative | PSNR | SSIM | FLIP |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   const std::vector<bool> optimal = pareto_optimal(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& r = *rows[i];
     const auto at = r.errors.find("truth");
     const Errors all = at == r.errors.end() ? Errors{} : at->second.report.all;
     const std::string backend = r.instruction_set.empty() ? r.backend : r.backend + " " + r.instruction_set;
+    const std::string spheres = std::to_string(r.spheres) + (r.objective.empty() ? "" : " " + r.objective);
+    const std::string geometry = r.geometry < 0.0 ? "" : fmt::format("{:.3g}", 100.0 * r.geometry);
     text += fmt::format(
-        "| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | **{:.3f}** | {:.1f} | {} | {} | {} | {} | {:+.2g} "
+        "| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | **{:.3f}** | {:.1f} | {} | {} | {} | {} | {} | {:+.2g} "
         "| {} | {:.1f} | {} | {} |\n",
-        optimal[i] ? "P" : "", r.technique, backend, telling_parameters(r, scene_rows), r.threads, r.spheres,
+        optimal[i] ? "P" : "", r.technique, backend, telling_parameters(r, scene_rows), r.threads, spheres,
         r.prepare_ms, median(r.update_ms), median(r.shade_ms), r.median_frame_ms(), double(r.bytes.total()) / 1048576.0,
-        percent(r, "truth"), percent(r, "cube"), percent(r, "spheres"), percent(r, "13x13"), all.mean_signed,
+        percent(r, "truth"), percent(r, "cube"), percent(r, "spheres"), geometry, percent(r, "13x13"), all.mean_signed,
         all.negative, all.psnr, optional_number(all.ssim), optional_number(all.flip));
   }
 }

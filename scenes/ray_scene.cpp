@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "scenes/error.h"
@@ -63,6 +64,44 @@ RTCRay make_ray(vec3 origin, vec3 direction, float near, float far) {
   return ray;
 }
 
+/// Point of the triangle that is nearest to p (Ericson 2005, section 5.1.5): by the region of the plane p lies over.
+vec3 nearest_point(vec3 p, vec3 a, vec3 b, vec3 c) {
+  const vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d1 <= 0.0f && d2 <= 0.0f) return a;
+  if (d3 >= 0.0f && d4 <= d3) return b;
+  if (d6 >= 0.0f && d5 <= d6) return c;
+  const float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) return a + d1 / (d1 - d3) * ab;
+  if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) return a + d2 / (d2 - d6) * ac;
+  if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  return a + (vb * ab + vc * ac) / (va + vb + vc);
+}
+
+struct MeshBuffers {
+  const vec3* positions = nullptr;
+  const uvec3* triangles = nullptr;
+};
+
+struct NearestQuery {
+  MeshBuffers mesh;
+  Nearest best;
+};
+
+/// Embree hands over every triangle within the query's radius; a nearer one shrinks it.
+bool look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
+  auto& [mesh, best] = *static_cast<NearestQuery*>(arguments->userPtr);
+  const uvec3 t = mesh.triangles[arguments->primID];
+  const vec3 from(arguments->query->x, arguments->query->y, arguments->query->z);
+  const vec3 point = nearest_point(from, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+  const float distance = glm::distance(from, point);
+  if (!(distance < best.distance)) return false;
+  best = {distance, point};
+  arguments->query->radius = distance;
+  return true;
+}
+
 bool count_memory(void* user, ssize_t bytes, bool) {
   *static_cast<std::atomic<ssize_t>*>(user) += bytes;
   return true;
@@ -73,6 +112,7 @@ bool count_memory(void* user, ssize_t bytes, bool) {
 struct RayScene::Impl {
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene scene = nullptr;
+  MeshBuffers buffers;
   std::atomic<ssize_t> bytes{0};
   Impl() {
     if (!device) throw Error("Embree cannot start (error {})", int(rtcGetDeviceError(nullptr)));
@@ -91,14 +131,25 @@ RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
-void RayScene::build(const Mesh& mesh) {
+void RayScene::begin(const Bounds& box) {
   if (impl_->scene) rtcReleaseScene(impl_->scene);
   impl_->scene = rtcNewScene(impl_->device);
+  impl_->buffers = {};
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);  // no light through the edges between triangles
-  box_ = bounds(mesh);
+  box_ = box;
   lift_ = 1e-4f * glm::length(box_.extent());
   box_.low -= 0.1f * lift_;  // room for rounding
   box_.high += 0.1f * lift_;
+}
+
+void RayScene::commit() {
+  rtcCommitScene(impl_->scene);
+  if (const RTCError error = rtcGetDeviceError(impl_->device); error != RTC_ERROR_NONE)
+    throw Error("Embree cannot build the scene (error {})", int(error));
+}
+
+void RayScene::build(const Mesh& mesh) {
+  begin(bounds(mesh));
   if (!mesh.empty()) {
     RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* positions = static_cast<vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -108,13 +159,30 @@ void RayScene::build(const Mesh& mesh) {
     if (!positions || !triangles) throw Error("Embree has no memory for {} triangles", mesh.triangles.size());
     std::copy(mesh.positions.begin(), mesh.positions.end(), positions);
     std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
+    impl_->buffers = {positions, triangles};
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(impl_->scene, geometry);
     rtcReleaseGeometry(geometry);
   }
-  rtcCommitScene(impl_->scene);
-  if (const RTCError error = rtcGetDeviceError(impl_->device); error != RTC_ERROR_NONE)
-    throw Error("Embree cannot build the scene (error {})", int(error));
+  commit();
+}
+
+void RayScene::build(const SphereSet& set) {
+  std::vector<Sphere> solid;
+  std::copy_if(set.spheres.begin(), set.spheres.end(), std::back_inserter(solid), [](const Sphere& s) { return s.radius > 0.0f; });
+  begin(bounds(set));
+  if (!solid.empty()) {
+    static_assert(sizeof(Sphere) == 4 * sizeof(float));  // Embree reads x, y, z, radius
+    RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    auto* spheres = static_cast<Sphere*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                                                 sizeof(Sphere), solid.size()));
+    if (!spheres) throw Error("Embree has no memory for {} spheres", solid.size());
+    std::copy(solid.begin(), solid.end(), spheres);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(impl_->scene, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+  commit();
 }
 
 Hit RayScene::intersect(vec3 origin, vec3 direction, float near) const {
@@ -172,6 +240,16 @@ unsigned RayScene::occluded(const RayPacket& packet, int count) const {
   unsigned bits = 0;
   for (int i = 0; i < count; ++i) bits |= (rays.tfar[i] < 0.0f ? 1u : 0u) << i;
   return bits;
+}
+
+Nearest RayScene::nearest(vec3 point, float most) const {
+  RTCPointQuery query{point.x, point.y, point.z, 0.0f, std::nextafter(most, infinity)};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  NearestQuery search{impl_->buffers, {query.radius, point}};
+  rtcPointQuery(impl_->scene, &query, &context, look_at_triangle, &search);
+  if (search.best.distance > most) search.best.distance = infinity;
+  return search.best;
 }
 
 std::size_t RayScene::bytes() const {

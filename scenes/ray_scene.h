@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "scenes/mesh.h"
+#include "scenes/sphere_set.h"
 
 namespace penumbra {
 
@@ -14,6 +14,11 @@ struct Hit {
   float u, v;         ///< barycentric weights of the triangle's second and third vertex
   vec3 normal;        ///< geometric, not normalised, counter-clockwise side
   explicit operator bool() const { return distance < std::numeric_limits<float>::infinity(); }
+};
+
+struct Nearest {
+  float distance;
+  vec3 point;
 };
 
 /// Up to 16 rays as separate coordinates.
@@ -44,6 +49,8 @@ class RayScene {
 
   /// (Re)builds for a mesh; an empty mesh blocks nothing.
   void build(const Mesh& mesh);
+  /// The same for spheres, exactly; a hit's `triangle` is then the sphere's index among those with a radius.
+  void build(const SphereSet& set);
 
   Hit intersect(vec3 origin, vec3 direction, float near = 0.0f) const;
   /// Is anything between origin and origin + far * direction?
@@ -54,6 +61,9 @@ class RayScene {
   /// sixteen at once costs less than a visit to the tree's root.
   unsigned meets_box(const RayPacket& packet, int count) const;
 
+  /// The surface's point that is nearest to a point; distance infinity if it is more than `most`, metres.
+  Nearest nearest(vec3 point, float most) const;
+
   /// Where rays of a surface point start: lifted along its normal by 1e-4 of the mesh's diagonal. Every ray-traced
   /// technique and rung uses it, so that none sees a contact that another does not.
   vec3 lift(vec3 position, vec3 normal) const { return position + lift_ * normal; }
@@ -62,6 +72,8 @@ class RayScene {
 
  private:
   struct Impl;
+  void begin(const Bounds& box);
+  void commit();
   std::unique_ptr<Impl> impl_;
   float lift_ = 0.0f;
   Bounds box_;

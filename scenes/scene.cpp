@@ -35,7 +35,13 @@ Animation::Animation(const Scene& scene)
       mesh_(scene.mesh),
       spheres_(scene.spheres),
       light_(scene.light),
-      receivers_(scene.receivers) {}
+      receivers_(scene.receivers) {
+  if (deforms() && !mesh_.empty()) carrier_ = SphereCarrier(mesh_, spheres_, scene.motion.carry);
+}
+
+bool Animation::deforms() const {
+  return scene_.motion.kind != Motion::Kind::none && scene_.motion.kind != Motion::Kind::rotate_light;
+}
 
 Frame Animation::frame(int index) {
   const Motion& motion = scene_.motion;
@@ -50,13 +56,15 @@ Frame Animation::frame(int index) {
       const float angle = motion.amount * float(index) / motion.period;
       for (vec3* v : {&area->centre, &area->edge_u, &area->edge_v, &area->normal}) *v = turn_y(*v, angle);
     }
-  } else if (motion.kind != Motion::Kind::none) {
+  } else if (deforms()) {
     changed.mesh = changed.spheres = true;
     const float angle = motion.amount * float(std::sin(2.0 * pi * index / motion.period));
     for (std::size_t i = 0; i < mesh_.positions.size(); ++i)
       mesh_.positions[i] = moved(motion, rest_, scene_.mesh.positions[i], angle);
-    for (std::size_t i = 0; i < spheres_.size(); ++i)
-      spheres_.spheres[i].centre = moved(motion, rest_, scene_.spheres.spheres[i].centre, angle);
+    if (!mesh_.empty()) carrier_.move(mesh_, spheres_);
+    else
+      for (std::size_t i = 0; i < spheres_.size(); ++i)
+        spheres_.spheres[i].centre = moved(motion, rest_, scene_.spheres.spheres[i].centre, angle);
     if (!std::holds_alternative<PlaneGrid>(scene_.receiver_spec.kind)) {
       changed.receivers = true;
       receivers_ = make_receivers(scene_.receiver_spec, mesh_);

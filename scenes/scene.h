@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "scenes/carry.h"
 #include "scenes/light.h"
 #include "scenes/receivers.h"
 #include "scenes/sphere_set.h"
@@ -16,6 +17,7 @@ struct Motion {
   float amount = 0.0f;   ///< radians: largest angle at the top (twist, bend), largest angle (rigid), per period (light)
   float period = 16.0f;  ///< frames
   int frames = 1;        ///< how many frames a run walks through
+  Carry carry = Carry::rigid;
 };
 
 /// Rest state of everything. Techniques receive it once, in prepare().
@@ -23,6 +25,7 @@ struct Scene {
   std::string name;
   Mesh mesh;
   SphereSet spheres;
+  std::string objective;  ///< that the spheres were fitted for; empty if they were given
   Receivers receivers;
   Light light;
   Motion motion;
@@ -44,12 +47,15 @@ struct Frame {
   Changes changed;
 };
 
-/// Walks a scene through its motion.
+/// Walks a scene through its motion. The mesh deforms and carries its spheres along; spheres without a mesh follow the
+/// motion themselves.
 class Animation {
  public:
   explicit Animation(const Scene& scene);
   Frame frame(int index);
   const Scene& scene() const { return scene_; }
+  /// Does the motion move the occluder?
+  bool deforms() const;
   int frames() const { return scene_.motion.kind == Motion::Kind::none ? 1 : scene_.motion.frames; }
 
  private:
@@ -57,6 +63,7 @@ class Animation {
   Bounds rest_;
   Mesh mesh_;
   SphereSet spheres_;
+  SphereCarrier carrier_;
   Light light_;
   Receivers receivers_;
 };

@@ -37,14 +37,28 @@ auto at_key(const TomlReader& at, const std::string& key, Load load) {
   }
 }
 
-SphereSet read_spheres(TomlReader& at, const Mesh& mesh, std::optional<int> override) {
+Objective read_objective(TomlReader& at) {
+  const auto name = at.text("objective");
+  if (!name) return FitRequest().objective;
+  return at_key(at, "objective", [&] { return parse_objective(*name); });
+}
+
+/// A fit by count keeps the name of its objective in `objective`; spheres from a list or a file leave it empty.
+SphereSet read_spheres(TomlReader& at, const Mesh& mesh, const SphereChoice& choice, std::string& objective) {
   const toml::node* node = at.node("spheres");
-  if (!node && !override) return {};
-  if (override || node->is_integer()) {
-    const int count = override ? *override : *at.integer("spheres", 1, 4096);
+  const bool fitted = choice.count || (node && node->is_integer());
+  if (!fitted && at.has("objective")) at.fail("objective", "is for spheres given by count");
+  if (!fitted && choice.objective) at.fail("spheres", "is no count, so the objective that the suite asks for means nothing");
+  const Objective own = read_objective(at);
+  if (fitted) {
+    FitRequest request;
+    request.spheres = choice.count ? *choice.count : *at.integer("spheres", 1, 4096);
+    request.objective = choice.objective.value_or(own);
+    objective = to_string(request.objective);
     if (mesh.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
-    return at_key(at, "spheres", [&] { return fit_spheres(mesh, count); });
+    return at_key(at, "spheres", [&] { return cached_fit(mesh, request, *at.text("mesh")); });
   }
+  if (!node) return {};
   if (node->is_string()) {
     const auto path = std::filesystem::path(at.file()).parent_path() / *at.text("spheres");
     return at_key(at, "spheres", [&] { return load_spheres(path.string()); });
@@ -68,13 +82,13 @@ SphereSet read_spheres(TomlReader& at, const Mesh& mesh, std::optional<int> over
   return set;
 }
 
-void read_occluder(TomlReader at, std::optional<int> spheres, Scene& scene) {
+void read_occluder(TomlReader at, const SphereChoice& choice, Scene& scene) {
   const std::string name = at.required("mesh", at.text("mesh"), "an asset name, a path or a shape");
   if (!make_shape(name, scene.mesh)) {
     const std::string file = resolve(at, "mesh", name, "mesh", shape_names);
     scene.mesh = at_key(at, "mesh", [&] { return load_mesh(file); });
   }
-  scene.spheres = read_spheres(at, scene.mesh, spheres);
+  scene.spheres = read_spheres(at, scene.mesh, choice, scene.objective);
   if (auto fit = at.table("fit")) {
     if (scene.mesh.empty()) at.fail("fit", "needs a mesh");
     const double height = fit->number("height", tiny, huge).value_or(0.0);
@@ -200,18 +214,21 @@ Motion read_motion(TomlReader at) {
   motion.amount = float(at.number("amount", -100.0, 100.0).value_or(1.0));
   motion.period = float(at.number("period", 1.0, huge).value_or(16.0));
   motion.frames = at.integer("frames", 1, 100000).value_or(16);
+  const std::string carry = at.text("carry").value_or("rigid");
+  if (carry == "affine") motion.carry = Carry::affine;
+  else if (carry != "rigid") at.fail("carry", "is '" + carry + "'; allowed are rigid, affine");
   at.finish();
   return motion;
 }
 
 }  // namespace
 
-Scene load_scene(const std::string& name_or_path, std::optional<int> spheres) {
+Scene load_scene(const std::string& name_or_path, const SphereChoice& choice) {
   TomlReader file = TomlReader::open(shipped_file(name_or_path, "library"));
   Scene scene;
   scene.name = file.required("name", file.text("name"), "a name for tables");
   const auto section = [&](const char* key) { return file.required(key, file.table(key), "a table"); };
-  read_occluder(section("occluder"), spheres, scene);
+  read_occluder(section("occluder"), choice, scene);
   scene.receiver_spec = read_receivers(section("receivers"));
   scene.light = read_light(section("light"));
   if (auto motion = file.table("motion")) scene.motion = read_motion(*motion);

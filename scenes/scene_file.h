@@ -3,12 +3,19 @@
 
 #include <optional>
 
+#include "scenes/fit/fit.h"
 #include "scenes/scene.h"
 
 namespace penumbra {
 
-/// Loads a shipped scene by name or a file by path; `spheres` replaces the file's sphere set by a fit of so many.
+/// What a suite puts in place of a scene file's `spheres` and `objective`.
+struct SphereChoice {
+  std::optional<int> count;
+  std::optional<Objective> objective;
+};
+
+/// Loads a shipped scene by name or a file by path. Fits of spheres come from the cache where it holds them.
 /// Throws Error naming file, line, key and what is allowed.
-Scene load_scene(const std::string& name_or_path, std::optional<int> spheres = {});
+Scene load_scene(const std::string& name_or_path, const SphereChoice& choice = {});
 
 }  // namespace penumbra

@@ -97,6 +97,7 @@ Mesh make_bowl(float radius, int segments) {
 
 bool make_shape(const std::string& name, Mesh& mesh) {
   if (name == "torus-knot") mesh = make_torus_knot();
+  else if (name == "torus") mesh = make_torus(1.0f, 0.4f, 48, 24);
   else if (name == "sphere") mesh = make_sphere(vec3(0.0f), 1.0f);
   else if (name == "resting-sphere") mesh = make_sphere(vec3(0, 0.5f, 0), 0.5f);
   else if (name == "box") mesh = make_box(vec3(-0.5f), vec3(0.5f));

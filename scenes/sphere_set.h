@@ -19,17 +19,15 @@ struct SphereSet {
   std::size_t size() const { return spheres.size(); }
 };
 
+/// Box around all spheres; zero box for an empty set.
+Bounds bounds(const SphereSet& set);
+
 SphereSet transformed(SphereSet set, const Similarity& fit);
 
 /// JSON: {"spheres": [[x, y, z, radius], ...]} in the mesh's own coordinates.
 /// Throws Error naming file and entry if it is malformed, non-finite or a radius is negative.
 SphereSet load_spheres(const std::string& path);
+/// Writes beside the target and renames.
 void save_spheres(const std::string& path, const SphereSet& set);
-
-/// `count` spheres by k-means (Lloyd) of points inside the closed mesh, each with the radius of the ball that has its
-/// cluster's second moment, R = sqrt(5/3 * mean squared distance). Deterministic. Meshes too thin to hold points on a
-/// grid of 1/48 of their largest extent use their triangles' centroids. Throws Error if count < 1 or exceeds the
-/// points.
-SphereSet fit_spheres(const Mesh& mesh, int count);
 
 }  // namespace penumbra

@@ -13,14 +13,14 @@ RUN = ROOT / "results" / "runs" / "latest"
 SCENE = "bunny-city"
 PANELS = [
     ("truth", None),
-    ("16 rays", "ray-traced-simd-estimator-ratio-rays-16-seed-1-threads-2"),
+    ("16 rays", "ray-traced-simd-estimator-ratio-occluder-mesh-rays-16-seed-1-threads-2"),
     ("sphere table", "pixel-basis-simd-bins-angle-resolution-32-visibility-table-threads-2"),
     ("exact spheres", "pixel-basis-simd-bins-angle-resolution-32-visibility-raster-threads-2"),
 ]
 
 
 def picture() -> None:
-    folder = RUN / "images" / f"{SCENE}-64-spheres"
+    folder = RUN / "images" / f"{SCENE}-64-spheres-shadow"
     size, title, gap = 256, 22, 6
     sheet = Image.new("RGB", (len(PANELS) * (size + gap) - gap, title + 2 * size + gap), "white")
     draw = ImageDraw.Draw(sheet)

@@ -15,6 +15,7 @@
 #include "techniques/bases/distinct_normals.h"
 #include "techniques/bases/random.h"
 #include "techniques/bases/ray_packets.h"
+#include "scenes/error.h"
 #include "techniques/registry.h"
 
 namespace penumbra {
@@ -25,16 +26,21 @@ using SampleSet = std::vector<LightSample>;
 class RayTraced : public Technique {
  public:
   explicit RayTraced(const Parameters& p)
-      : count_(p.integer("rays")), seed_(std::uint64_t(p.integer("seed"))), ratio_(p.text("estimator") == "ratio") {}
+      : count_(p.integer("rays")), seed_(std::uint64_t(p.integer("seed"))), ratio_(p.text("estimator") == "ratio"),
+        spheres_(p.text("occluder") == "spheres") {}
 
   void prepare(const Scene& scene) override {
-    rays_.build(scene.mesh);
+    if (spheres_ && scene.spheres.empty()) throw Unsupported("occluder = spheres: the scene has no spheres");
+    const auto& on = scene.receivers.on_occluder;
+    if (spheres_ && std::any_of(on.begin(), on.end(), [](std::uint8_t lies) { return lies != 0; }))
+      throw Unsupported("occluder = spheres: receivers lie on the mesh, inside its spheres");
+    build(scene.mesh, scene.spheres);
     set_light(scene.light, scene.receivers);
   }
 
   void update(const Frame& frame) override {
     receivers_ = &frame.receivers;
-    if (frame.changed.mesh) rays_.build(frame.mesh);
+    if (spheres_ ? frame.changed.spheres : frame.changed.mesh) build(frame.mesh, frame.spheres);
     if (frame.changed.light || frame.changed.receivers) set_light(frame.light, frame.receivers);
   }
 
@@ -71,6 +77,11 @@ class RayTraced : public Technique {
   const Receivers* receivers_ = nullptr;
 
  private:
+  void build(const Mesh& mesh, const SphereSet& spheres) {
+    if (spheres_) rays_.build(spheres);
+    else rays_.build(mesh);
+  }
+
   std::uint64_t stream(std::uint32_t index) const { return mix_bits(seed_ << 32 | index); }
 
   void set_light(const Light& light, const Receivers& receivers) {
@@ -91,7 +102,7 @@ class RayTraced : public Technique {
   }
 
   std::uint64_t seed_;
-  bool ratio_;
+  bool ratio_, spheres_;
   LightSampler sampler_;
   DistinctNormals normals_;
   std::vector<std::vector<SampleSet>> pools_;  ///< per distinct normal
@@ -147,7 +158,8 @@ void register_ray_traced(Registry& registry) {
         integer_parameter("rays", 64, 1, 65536, "rays", "shadow rays per receiver"),
         integer_parameter("seed", 1, 0, 1 << 30, "", "same seed, same image"),
         choice_parameter("estimator", {"ratio", "plain"},
-                         "ratio: exact unshadowed light x sampled visible share, where normals are shared")};
+                         "ratio: exact unshadowed light x sampled visible share, where normals are shared"),
+        choice_parameter("occluder", {"mesh", "spheres"}, "what the rays meet; spheres show the error of the fit alone")};
     if (packets) entry.make = [](const Parameters& p) { return std::make_unique<RayTracedPackets>(p); };
     else entry.make = [](const Parameters& p) { return std::make_unique<RayTraced>(p); };
     entry.parity = 1e-3;  // Embree's packet and single-ray traversals may round an edge differently

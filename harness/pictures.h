@@ -1,0 +1,17 @@
+// Images for people: exposed, as signed error, side by side.
+#pragma once
+
+#include "scenes/image.h"
+
+namespace penumbra {
+
+Image exposed(const Image& image, double exposure);
+
+/// Red where the image is too bright (leak), blue where it is too dark; full colour at a quarter of white.
+Image signed_error(const Image& image, const Image& reference, double exposure);
+
+/// Equally large panels in rows, two pixels of white between; every `step`-th pixel is kept, so that a panel is at most
+/// 128 wide.
+Image contact_sheet(const std::vector<std::vector<Image>>& rows);
+
+}  // namespace penumbra

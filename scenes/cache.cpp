@@ -1,0 +1,14 @@
+#include "scenes/cache.h"
+
+#include <cstdlib>
+
+namespace penumbra {
+
+std::string cache_folder() {
+  if (const char* folder = std::getenv("PENUMBRA_CACHE")) return folder;
+  if (const char* folder = std::getenv("XDG_CACHE_HOME")) return std::string(folder) + "/penumbra";
+  const char* home = std::getenv("HOME");
+  return (home ? std::string(home) : std::string("/tmp")) + "/.cache/penumbra";
+}
+
+}  // namespace penumbra

@@ -1,0 +1,152 @@
+#include "scenes/fit/fit.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "scenes/cache.h"
+#include "scenes/error.h"
+#include "scenes/fit/baselines.h"
+#include "scenes/fit/cover.h"
+#include "scenes/fit/outside_volume.h"
+#include "scenes/fit/silhouette.h"
+#include "scenes/fit/solid.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int algorithm_version = 1;  // raise when a fit changes: cached ones are then never looked at
+
+constexpr std::pair<const char*, Objective> names[] = {{"cover", Objective::cover},
+                                                       {"shadow", Objective::shadow},
+                                                       {"k-means", Objective::k_means},
+                                                       {"grid", Objective::grid}};
+
+/// The solid brought to the size of one and to the origin: fits in millimetres and in kilometres are then the same.
+struct UnitSolid {
+  Mesh mesh;
+  vec3 centre;
+  float size;
+
+  explicit UnitSolid(Mesh solid) : mesh(std::move(solid)) {
+    const Bounds box = bounds(mesh);
+    centre = box.centre();
+    size = std::max({box.extent().x, box.extent().y, box.extent().z});
+    for (vec3& p : mesh.positions) p = (p - centre) / size;
+  }
+  SphereSet restored(SphereSet set) const {
+    for (Sphere& s : set.spheres) s = {size * s.centre + centre, size * s.radius};
+    return set;
+  }
+};
+
+/// Rows and points grow with the number of spheres: a sphere of the mean volume has a radius of about ten rows.
+struct Samples {
+  double volume;
+  SolidRows rows;
+  Samples(const Mesh& solid, int spheres)
+      : volume(std::max(enclosed_volume(solid), 1e-3)), rows(solid, cells(solid, spheres)) {}
+  double spacing(double points) const { return std::cbrt(volume / points); }
+
+ private:
+  double cells(const Mesh& solid, int spheres) const {
+    const dvec3 extent = bounds(solid).extent();
+    return std::clamp(4000.0 * spheres * extent.x * extent.y * extent.z / volume, 3e5, 8e6);
+  }
+};
+
+SphereSet cover(const Mesh& solid, const FitRequest& request, const std::string& what, const FitProgress& progress) {
+  const Samples samples(solid, request.spheres);
+  FitPoints points =
+      sample_points(solid, samples.rows, samples.spacing(std::clamp(250.0 * request.spheres, 4e3, 3e4)));
+  if (points.size() < request.spheres)
+    throw Error("{}: {} spheres asked for, but the mesh only has {} points", what, request.spheres, points.size());
+  return cover_solid(solid, samples.rows, std::move(points), request, progress);
+}
+
+SphereSet fit_baseline(const Mesh& solid, const FitRequest& request, const std::string& what) {
+  const Samples samples(solid, request.spheres);
+  if (request.objective == Objective::grid)
+    return grid_balls(bounds(solid), sample_points(solid, samples.rows, samples.spacing(1e5)).position,
+                      request.spheres);
+  const std::vector<vec3> points = interior_points(samples.rows, samples.spacing(1e5));
+  if (int(points.size()) < request.spheres)
+    throw Error("{}: {} spheres asked for, but only {} points lie inside the mesh", what, request.spheres,
+                points.size());
+  return k_means_balls(points, request.spheres);
+}
+
+std::string fit_key(const Mesh& mesh, const FitRequest& request) {
+  ContentHash hash;
+  hash.add_value(algorithm_version);
+  hash.add_value(request.spheres);
+  hash.add_value(int(request.objective));
+  hash.add_value(request.seed);
+  hash.add_value(int(request.assignment));
+  hash.add_mesh(mesh);
+  return hash.digest();
+}
+
+}  // namespace
+
+std::string to_string(Objective objective) {
+  for (const auto& [name, value] : names)
+    if (value == objective) return name;
+  return "";
+}
+
+Objective parse_objective(const std::string& name) {
+  for (const auto& [known, value] : names)
+    if (name == known) return value;
+  throw Error("unknown objective '{}'; allowed are {}", name, objective_names);
+}
+
+SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::string& what,
+                      const FitProgress& progress) {
+  if (request.spheres < 1 || request.spheres > 4096)
+    throw Error("{}: {} spheres asked for; between 1 and 4096 can be fitted", what, request.spheres);
+  Repairs repairs;
+  const UnitSolid solid(make_solid(mesh, what, &repairs));
+  if (repairs.any()) spdlog::warn("{}: {}", what, repairs.describe());
+  switch (request.objective) {
+    case Objective::cover:
+      return solid.restored(cover(solid.mesh, request, what, progress));
+    case Objective::shadow:
+      return solid.restored(match_silhouettes(solid.mesh, cover(solid.mesh, request, what, progress), progress));
+    default:
+      return solid.restored(fit_baseline(solid.mesh, request, what));
+  }
+}
+
+SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::string& what,
+                     const FitProgress& progress) {
+  const std::string path = cache_folder() + "/fit-" + fit_key(mesh, request) + ".json";
+  if (std::filesystem::exists(path)) {
+    try {
+      return load_spheres(path);
+    } catch (const std::exception& e) {
+      spdlog::warn("sphere cache: {}; fitting anew", e.what());
+    }
+  }
+  spdlog::info("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
+               cache_folder());
+  const SphereSet set = fit_spheres(mesh, request, what, progress);
+  try {
+    std::filesystem::create_directories(cache_folder());
+    save_spheres(path, set);
+  } catch (const std::exception& e) {
+    spdlog::warn("sphere cache: {}; going on without", e.what());
+  }
+  return set;
+}
+
+FitQuality assess_fit(const Mesh& mesh, const SphereSet& set, const std::string& what) {
+  const Mesh solid = make_solid(mesh, what);
+  const SolidRows rows(solid, 4e6);
+  const SolidRows::Difference difference = rows.difference(set);
+  return {enclosed_volume(solid), outside_volume(solid, set), difference.excess, std::max(0.0, difference.uncovered)};
+}
+
+}  // namespace penumbra
