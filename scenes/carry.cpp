@@ -72,11 +72,14 @@ SphereCarrier::SphereCarrier(const Mesh& rest, const SphereSet& set, Carry carry
     // A flat cluster says nothing about the direction across it; a trace of stiffness keeps the inverse finite.
     const double trace = moment[0][0] + moment[1][1] + moment[2][2];
     const dvec3 solved = glm::inverse(moment + dmat3(1e-6 * trace + 1e-30)) * dvec3(centre);
+    dvec3 sum(0.0);
     for (const unsigned v : vertices) {
       const vec3 offset = rest.positions[v] - vec3(mean);
       const double weight = 1.0 / double(vertices.size()) + glm::dot(solved, dvec3(offset));
       cluster.members.push_back({v, offset, float(weight)});
+      sum += double(float(weight)) * dvec3(rest.positions[v]);
     }
+    cluster.rest = vec3(dvec3(set.spheres[clusters_.size() - 1].centre) - sum);
   }
 }
 
@@ -86,7 +89,7 @@ void SphereCarrier::move(const Mesh& deformed, SphereSet& out) const {
     dvec3 sum(0.0);
     if (carry_ == Carry::affine) {
       for (const Member& m : cluster.members) sum += double(m.weight) * dvec3(deformed.positions[m.vertex]);
-      out.spheres[k].centre = vec3(sum);
+      out.spheres[k].centre = vec3(sum) + cluster.rest;
       return;
     }
     dmat3 moment(0.0);  // offsets sum to zero, so positions need not be centred

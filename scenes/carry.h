@@ -32,6 +32,7 @@ class SphereCarrier {
   struct Cluster {
     std::vector<Member> members;
     vec3 centre;  ///< at rest, from the cluster's mean
+    vec3 rest;    ///< affine: what the weighted sum does not reach, as across a flat cluster
   };
   Carry carry_ = Carry::rigid;
   std::vector<Cluster> clusters_;

@@ -52,7 +52,7 @@ class VariationalCover {
       : rows_(rows), points_(std::move(points)), assignment_(request.assignment), balls_(request.spheres) {
     typical_ = std::cbrt(std::max(rows.volume(), std::pow(rows.step(), 3)) / request.spheres);
     seed_centres(request.seed);
-    for (int i = 0; i < 30; ++i) assign(), refit();
+    relax(100, 2e-3);
     polish();
   }
 
@@ -65,7 +65,7 @@ class VariationalCover {
     const std::vector<Ball> before = balls_;
     const double cost = total();
     divide(balls_[split], balls_[gone]);
-    for (int i = 0; i < 2; ++i) assign(), refit();
+    relax(8, 1e-2);
     polish();
     if (total() < cost) return true;
     balls_ = before;
@@ -263,6 +263,16 @@ class VariationalCover {
     } catch (const nlopt::roundoff_limited&) {  // the best trial so far is as good as it gets
     }
     return search.best;
+  }
+
+  /// Assigns and refits until a round brings less than a share of the sum of outside volumes.
+  void relax(int most, double share) {
+    double cost = std::numeric_limits<double>::max();
+    for (int i = 0; i < most; ++i) {
+      assign(), refit();
+      if (total() > cost * (1.0 - share)) return;
+      cost = total();
+    }
   }
 
   /// Exchange and refit until the sum of outside volumes stops falling.

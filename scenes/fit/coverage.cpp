@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "scenes/fit/cover.h"
 #include "scenes/ray_scene.h"
@@ -8,7 +7,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int certain_depth = 14, loose_depth = 10;
+constexpr int point_depth = 5, loose_depth = 10, certain_depth = 14;
 
 struct Cell {
   dvec3 centre;
@@ -22,51 +21,57 @@ double farthest_corner(const Cell& cell, const Sphere& ball) {
   return glm::length(d);
 }
 
-/// Finds the cells, 2^-depth of the solid's box, that touch the solid and that no single ball holds.
-template <class Found>
+/// Walks over the cells, down to 2^-deepest of the solid's box, that touch the solid and that no single ball holds.
+/// Calls point(p) with a point of the solid in or near each such cell, which may let a ball grow, and leaf(cell) for each
+/// of the smallest.
+template <class Point, class Leaf>
 class CellSearch {
  public:
-  CellSearch(const RayScene& surface, const std::vector<Sphere>& balls, int deepest, Found found)
-      : surface_(surface), balls_(balls), deepest_(deepest), found_(found) {}
+  CellSearch(const RayScene& surface, const std::vector<Sphere>& balls, int deepest, Point point, Leaf leaf)
+      : surface_(surface), balls_(balls), deepest_(deepest), point_(point), leaf_(leaf) {}
 
   void run(const Bounds& box) {
     const dvec3 extent = box.extent();
     const double half = 0.5 * std::max({extent.x, extent.y, extent.z}) * (1.0 + 1e-6);
-    std::vector<int> all(balls_.size());
-    std::iota(all.begin(), all.end(), 0);
-    visit({dvec3(box.centre()), half, 0}, all, false);
+    visit({dvec3(box.centre()), half, 0}, false);
   }
 
  private:
+  bool held(const Cell& cell) const {
+    return std::any_of(balls_.begin(), balls_.end(), [&](const Sphere& b) { return farthest_corner(cell, b) <= b.radius; });
+  }
 
-  /// `near` are the balls that meet the parent cell; `inside` says that the parent lay wholly inside the solid.
-  void visit(const Cell& cell, const std::vector<int>& near, bool inside_solid) {
-    for (const int k : near)
-      if (farthest_corner(cell, balls_[k]) <= balls_[k].radius) return;
+  /// `inside_solid` says that the parent lay wholly inside the solid.
+  void visit(const Cell& cell, bool inside_solid) {
+    if (held(cell)) return;
+    vec3 point(cell.centre);
     if (!inside_solid) {
-      const vec3 centre(cell.centre);
       const double reach = cell.half * std::sqrt(3.0) * (1.0 + 1e-5);
-      if (!(surface_.nearest(centre, float(reach)).distance <= reach)) {
-        if (!inside(surface_, centre)) return;
+      const Nearest nearest = surface_.nearest(point, float(reach));
+      const bool centre_inside = inside(surface_, point);
+      if (!(nearest.distance <= reach)) {
+        if (!centre_inside) return;
         inside_solid = true;
       }
+      if (!centre_inside) point = nearest.point;
     }
-    if (cell.depth == deepest_) return found_(cell);
-    std::vector<int> met;
-    for (const int k : near)
-      if (glm::distance(cell.centre, dvec3(balls_[k].centre)) <= balls_[k].radius + cell.half * std::sqrt(3.0))
-        met.push_back(k);
+    if (cell.depth >= point_depth) point_(point);
+    if (cell.depth == deepest_) {
+      if (!held(cell)) leaf_(cell);
+      return;
+    }
     for (int child = 0; child < 8; ++child) {
       const double half = 0.5 * cell.half;
       const dvec3 offset(child & 1 ? half : -half, child & 2 ? half : -half, child & 4 ? half : -half);
-      visit({cell.centre + offset, half, cell.depth + 1}, met, inside_solid);
+      visit({cell.centre + offset, half, cell.depth + 1}, inside_solid);
     }
   }
 
   const RayScene& surface_;
   const std::vector<Sphere>& balls_;
   int deepest_;
-  Found found_;
+  Point point_;
+  Leaf leaf_;
 };
 
 /// Gives a cell to the ball whose volume grows least.
@@ -75,10 +80,11 @@ void grow(std::vector<Sphere>& balls, const Cell& cell) {
   double least = std::numeric_limits<double>::max(), radius = 0.0;
   for (Sphere& ball : balls) {
     const double needed = farthest_corner(cell, ball), own = ball.radius;
+    if (needed <= own) return;
     const double cost = needed * needed * needed - own * own * own;
     if (cost < least) least = cost, best = &ball, radius = needed;
   }
-  if (radius > double(best->radius)) best->radius = std::nextafter(float(radius), std::numeric_limits<float>::infinity());
+  best->radius = std::nextafter(float(radius), std::numeric_limits<float>::infinity());
 }
 
 }  // namespace
@@ -86,17 +92,18 @@ void grow(std::vector<Sphere>& balls, const Cell& cell) {
 void make_covering(const Mesh& solid, SphereSet& set) {
   if (set.empty()) return;
   const RayScene surface(solid);
-  CellSearch(surface, set.spheres, certain_depth, [&](const Cell& cell) { grow(set.spheres, cell); }).run(bounds(solid));
+  const auto point = [&](vec3 p) { grow(set.spheres, {dvec3(p), 0.0, 0}); };
+  const auto leaf = [&](const Cell& cell) { grow(set.spheres, cell); };
+  CellSearch(surface, set.spheres, certain_depth, point, leaf).run(bounds(solid));
 }
 
 std::vector<vec3> loose_points(const Mesh& solid, const SphereSet& set) {
   std::vector<vec3> points;
   const RayScene surface(solid);
-  const auto add = [&](const Cell& cell) {
-    const vec3 centre(cell.centre);
-    points.push_back(inside(surface, centre) ? centre : surface.nearest(centre, float(2.0 * cell.half)).point);
-  };
-  CellSearch(surface, set.spheres, loose_depth, add).run(bounds(solid));
+  vec3 last(0.0f);
+  const auto point = [&](vec3 p) { last = p; };
+  const auto leaf = [&](const Cell&) { points.push_back(last); };  // the point of this very cell
+  CellSearch(surface, set.spheres, loose_depth, point, leaf).run(bounds(solid));
   return points;
 }
 

@@ -8,8 +8,8 @@ namespace penumbra {
 /// Volume of the sphere minus the solid, cubic metres; a sum over triangles in closed form, exact to rounding. Zero-area
 /// triangles contribute nothing.
 ///
-/// Seen from the centre o, a triangle hides the part of the ball behind it:
-///   sum over triangles of sign(n . (v - o)) * integral over its solid angle of (R^3 - min(t, R)^3) / 3 dw.
+/// Seen from the centre o, a triangle ends the solid at distance t(w). What ball and solid share is
+///   sum over triangles of sign(n . (v - o)) * integral over its solid angle of min(t, R)^3 / 3 dw.
 /// The disc in which the ball meets the triangle's plane splits every edge; each piece is a triangle or a sector about
 /// the foot of the perpendicular from o, and has elementary area and solid angle.
 double outside_volume(const Mesh& solid, const Sphere& sphere);

@@ -151,10 +151,11 @@ SphereSet match_silhouettes(const Mesh& solid, const SphereSet& start, const Fit
   if (progress) progress("drawing silhouettes", 0.0);
   struct Search {
     Silhouettes silhouettes;
-    double scale;
-    int evaluations = 0;
+    double scale, least;
+    std::vector<double> best;
+    int evaluations;
     const FitProgress& progress;
-  } search{Silhouettes(solid), 0.0, 0, progress};
+  } search{Silhouettes(solid), 0.0, std::numeric_limits<double>::max(), {}, 0, progress};
   if (search.silhouettes.area() == 0.0) return start;
   search.scale = 1.0 / search.silhouettes.area();
   std::vector<double> x;
@@ -168,6 +169,7 @@ SphereSet match_silhouettes(const Mesh& solid, const SphereSet& start, const Fit
     for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] = slopes[i] * s.scale;
     if (s.progress && s.evaluations % 16 == 0) s.progress("matching silhouettes", double(s.evaluations) / most);
     ++s.evaluations;
+    if (value < s.least) s.least = value, s.best = at;
     return value;
   };
   lbfgs.set_min_objective(objective, &search);
@@ -179,8 +181,9 @@ SphereSet match_silhouettes(const Mesh& solid, const SphereSet& start, const Fit
   double value = 0.0;
   try {
     lbfgs.optimize(x, value);
-  } catch (const nlopt::roundoff_limited&) {  // x is the best so far
+  } catch (const std::runtime_error&) {  // no step brings more, as at once for a ball: the best so far is the answer
   }
+  x = search.best;
   SphereSet set;
   for (std::size_t i = 0; i < x.size(); i += 4)
     set.spheres.push_back({vec3(x[i], x[i + 1], x[i + 2]), float(x[i + 3])});

@@ -32,6 +32,13 @@ TEST_F(Suites, AxesMultiply) {
       "[[technique]]\nname = \"ray-traced\"\nbackend = [\"scalar\", \"simd\"]\nparameters = { rays = [1, 2, 4], seed = "
       "[1, 2] }\n");
   EXPECT_EQ(suite.spheres.size(), 2u);
+  const Suite fits = load(
+      "name = \"s\"\nscenes = [\"a\"]\nspheres = [8, 16]\nobjective = [\"cover\", \"shadow\", \"grid\"]\n"
+      "sequence = true\n[[technique]]\nname = \"ray-traced\"\n");
+  EXPECT_EQ(fits.spheres.size(), 6u);
+  EXPECT_EQ(fits.spheres[1].count, 8);
+  EXPECT_EQ(fits.spheres[1].objective, Objective::shadow);
+  EXPECT_TRUE(fits.sequence);
   EXPECT_EQ(suite.variants.size(), 6u + 12u) << "scalar runs on one thread only";
   EXPECT_EQ(load("name = \"s\"\nscenes = \"a\"\n[[technique]]\nname = \"ray-traced\"\n", 3).variants.back().threads, 3);
 }
@@ -48,6 +55,8 @@ TEST_F(Suites, MistakesAreExplained) {
   EXPECT_NE(error(head + "[[technique]]\nname = \"ray-traced\"\nparameters = { beams = 2 }\n").find("rays, seed"),
             std::string::npos);
   EXPECT_NE(error(head + "colour = 1\n[[technique]]\nname = \"ray-traced\"\n").find("'colour'"), std::string::npos);
+  EXPECT_NE(error(head + "objective = \"nice\"\n[[technique]]\nname = \"ray-traced\"\n").find("k-means"),
+            std::string::npos);
   EXPECT_NE(error(head + "repetitions = 0\n[[technique]]\nname = \"ray-traced\"\n").find("[1, 1000]"),
             std::string::npos);
   EXPECT_NE(test::error_of([&] { load_suite("none-such", registry_, 0); }).find("quick"), std::string::npos);

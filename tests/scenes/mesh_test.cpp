@@ -130,6 +130,36 @@ TEST(RayScene, EmptyMeshBlocksNothing) {
   EXPECT_FALSE(rays.intersect(vec3(0.0f), {0, 1, 0}));
 }
 
+TEST(RayScene, NearestPointOfABox) {
+  const RayScene rays(make_box(vec3(-1.0f), vec3(1.0f)));
+  const auto expect = [&](vec3 from, vec3 to) {
+    const Nearest found = rays.nearest(from, 10.0f);
+    EXPECT_NEAR(found.distance, glm::distance(from, to), 1e-6f);
+    EXPECT_LT(glm::distance(found.point, to), 1e-6f);
+  };
+  expect({3, 0.2f, 0.1f}, {1, 0.2f, 0.1f});          // face
+  expect({3, 4, 0.1f}, {1, 1, 0.1f});                // edge
+  expect({-2, -3, 2}, {-1, -1, 1});                  // corner
+  expect({0.2f, -0.9f, 0.3f}, {0.2f, -1.0f, 0.3f});  // from inside
+  EXPECT_FALSE(std::isfinite(rays.nearest({3, 0, 0}, 1.9f).distance)) << "farther than asked for";
+}
+
+TEST(RayScene, SpheresBlockExactly) {
+  RayScene rays;
+  rays.build(SphereSet{{{{0, 3, 0}, 1.0f}, {{5, 0, 0}, 0.0f}, {{0, 0, -4}, 2.0f}}});
+  const float grazing = std::asin(1.0f / 3.0f);
+  for (const float shift : {-1e-3f, 1e-3f}) {
+    const float angle = grazing + shift;
+    EXPECT_EQ(rays.occluded(vec3(0.0f), {std::sin(angle), std::cos(angle), 0}, 100.0f), shift < 0.0f);
+  }
+  EXPECT_FALSE(rays.occluded(vec3(0.0f), {1, 0, 0}, 100.0f)) << "no radius, no shadow";
+  EXPECT_FALSE(rays.occluded(vec3(0.0f), {0, 1, 0}, 1.9f)) << "ends before the sphere";
+  EXPECT_TRUE(rays.occluded({0, 0, -4.5f}, {0, 1, 0}, 100.0f)) << "a receiver inside a sphere sees nothing";
+  const Hit hit = rays.intersect({0, 0, 0}, {0, 0, -1});
+  EXPECT_NEAR(hit.distance, 2.0f, 1e-5f);
+  EXPECT_EQ(hit.triangle, 1u) << "the sphere without radius does not count";
+}
+
 TEST(RayScene, InsideVotes) {
   const RayScene rays(make_sphere(vec3(0.0f), 1.0f));
   EXPECT_TRUE(inside(rays, {0.1f, 0.2f, 0.3f}));

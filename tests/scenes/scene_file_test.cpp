@@ -127,6 +127,19 @@ TEST(SceneFile, MistakesNameFileLineKeyAndWhatIsAllowed) {
       {"no spheres",
        scene_text("[occluder]\nmesh = \"box\"\nspheres = 0\n", good_receivers, good_light),
        {"occluder.spheres", "[1, 4096]"}},
+      {"unknown objective",
+       scene_text("[occluder]\nmesh = \"box\"\nspheres = 4\nobjective = \"best\"\n", good_receivers, good_light),
+       {"t.toml:5", "occluder.objective", "cover, shadow"}},
+      {"objective without count",
+       scene_text("[occluder]\nmesh = \"box\"\nspheres = [[0, 0, 0, 1]]\nobjective = \"cover\"\n", good_receivers,
+                  good_light),
+       {"occluder.objective", "by count"}},
+      {"open mesh",
+       scene_text("[occluder]\nmesh = \"bowl\"\nspheres = 4\n", good_receivers, good_light),
+       {"t.toml:4", "not closed", "96 of"}},
+      {"bad carry",
+       scene_text(good_occluder, good_receivers, good_light, "[motion]\nkind = \"bend\"\ncarry = \"bones\"\n"),
+       {"motion.carry", "rigid, affine"}},
       {"missing sphere file",
        scene_text("[occluder]\nmesh = \"box\"\nspheres = \"x.json\"\n", good_receivers, good_light),
        {"t.toml:4", "x.json"}},
@@ -179,7 +192,11 @@ TEST(SceneFile, MissingAssetNamesItsPackage) {
 }
 
 TEST(SceneFile, SphereCountCanBeOverridden) {
-  EXPECT_EQ(load_scene("torus-knot-lamps", 8).spheres.size(), 8u);
+  const Scene scene = load_scene("torus-knot-lamps", {8, Objective::k_means});
+  EXPECT_EQ(scene.spheres.size(), 8u);
+  EXPECT_EQ(scene.objective, "k-means");
+  EXPECT_NE(test::error_of([] { load_scene("resting-sphere-constant", {{}, Objective::cover}); }).find("no count"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,65 @@
+#include "harness/sequence.h"
+
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+/// Radiance 1 in even frames, 1 + step in odd ones.
+class Blinking : public Technique {
+ public:
+  explicit Blinking(float step) : step_(step) {}
+  void prepare(const Scene&) override {}
+  void update(const Frame& frame) override { value_ = 1.0f + (int(frame.time) % 2 ? step_ : 0.0f); }
+  void shade(View<vec3> radiance) override {
+    for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] = vec3(value_);
+  }
+  Footprint footprint() const override { return {}; }
+
+ private:
+  float step_, value_ = 0.0f;
+};
+
+TEST(Sequence, FlickerIsTheChangeOfError) {
+  const test::TemporaryFolder folder;
+  setenv("PENUMBRA_CACHE", (folder.path() + "/cache").c_str(), 1);
+  Scene scene;
+  scene.name = "floating";
+  scene.mesh = make_box({-0.1f, 50.0f, -0.1f}, {0.1f, 50.2f, 0.1f});  // too far up to be seen in the errors
+  scene.spheres.spheres = {{{0, 50.1f, 0}, 0.2f}};
+  scene.receiver_spec = {PlaneGrid{1.0f, 16, 0.0f}, vec3(1.0f)};
+  scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
+  scene.light = test::constant_environment();
+  scene.motion = {Motion::Kind::rigid, 1.0f, 4.0f, 4};
+  ReferenceSettings settings;
+  settings.truth_noise = 0.01;
+  int ticks = 0;
+  const Sequence sequence(scene, settings, [&](int) { ++ticks; });
+  EXPECT_EQ(ticks, 4);
+
+  Blinking steady(0.0f), blinking(0.25f);
+  const SequenceErrors calm = sequence.score(steady, 1.0, folder.path() + "/calm.png");
+  ASSERT_EQ(calm.rel_rmse.size(), 4u);
+  ASSERT_EQ(calm.flicker.size(), 3u);
+  EXPECT_LT(calm.flicker[0], 0.01);
+  const SequenceErrors loud = sequence.score(blinking, 1.0, folder.path() + "/loud.png");
+  for (const double flicker : loud.flicker) EXPECT_NEAR(flicker, 0.25, 0.01);
+  EXPECT_NEAR(loud.rel_rmse[1], 0.25, 0.01);
+  EXPECT_EQ(loud.coverage, std::vector<double>(4, 1.0));
+  EXPECT_GT(loud.carry_ms, 0.0);
+  const Image sheet = load_image(folder.path() + "/loud.png");
+  EXPECT_EQ(sheet.width, 4 * 16 + 3 * 2);
+  EXPECT_EQ(sheet.height, 3 * 16 + 2 * 2);
+  unsetenv("PENUMBRA_CACHE");
+
+  Row row;
+  row.scene = "floating", row.technique = "blinking", row.backend = "scalar", row.sequence = loud, row.frame_ms = {1.0};
+  EXPECT_NE(make_sequence_table({row}).find("| floating | blinking/scalar"), std::string::npos);
+  EXPECT_EQ(make_sequence_table({Row{}}), "");
+  const Row back = row_from_json(to_json(row));
+  ASSERT_TRUE(back.sequence);
+  EXPECT_EQ(back.sequence->flicker, loud.flicker);
+}
+
+}  // namespace
+}  // namespace penumbra
