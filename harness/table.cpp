@@ -88,7 +88,8 @@ std::string make_table(const std::vector<Row>& rows) {
       "noise. `P`: no other row of the scene is both faster and nearer to the truth.\n`signed`: mean of image - truth "
       "in "
       "W m^-2 sr^-1 (positive leaks light, negative over-darkens); `negative`: channel values below 0, left as they "
-      "are. PSNR, SSIM and FLIP are against truth.\n";
+      "are. PSNR, SSIM and FLIP are against truth. `geometry`: rung spheres against rung cube, what the sphere set alone "
+      "adds.\n";
   for (const std::string& scene : scenes) {
     std::vector<const Row*> good, bad;
     for (const Row& row : rows)

@@ -53,7 +53,7 @@ struct Samples {
  private:
   double cells(const Mesh& solid, int spheres) const {
     const dvec3 extent = bounds(solid).extent();
-    return std::clamp(4000.0 * spheres * extent.x * extent.y * extent.z / volume, 3e5, 8e6);
+    return std::clamp(4000.0 * spheres * extent.x * extent.y * extent.z / volume, 1.5e5, 8e6);
   }
 };
 

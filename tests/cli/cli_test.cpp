@@ -30,7 +30,10 @@ class CommandLine : public testing::Test {
     const Outcome o = run(arguments);
     EXPECT_EQ(o.code, 2) << arguments;
     EXPECT_NE(o.err.find(part), std::string::npos) << arguments << ": " << o.err;
-    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    int lines = 0;  // progress may stand above
+    for (std::size_t at = 0; (at = o.err.find("penumbra: ", at)) != std::string::npos; ++at) ++lines;
+    EXPECT_EQ(lines, 1) << o.err;
+    EXPECT_EQ(o.err.find('\n', o.err.find("penumbra: ")), o.err.size() - 1) << o.err;
   }
   std::string tiny_scene() const {
     return folder_.write(
@@ -57,6 +60,10 @@ TEST_F(CommandLine, RendersReferencesAndFits) {
   EXPECT_NE(run("reference " + scene + " --rung cube").out.find("from the cache"), std::string::npos);
   EXPECT_EQ(run("fit torus-knot --spheres 8 -o " + folder_.path() + "/s.json").code, 0);
   EXPECT_EQ(nlohmann::json::parse(test::read_text(folder_.path() + "/s.json"))["spheres"].size(), 8u);
+  EXPECT_EQ(load_image(folder_.path() + "/s.png").width, 3 * 480);
+  const std::string report = run("fit box --spheres 2 --objective cover --seed 3 -o " + folder_.path() + "/b.json").out;
+  for (const char* part : {"2 spheres for cover", "seed 3", "outside, summed", "coverage 100.000 %"})
+    EXPECT_NE(report.find(part), std::string::npos) << report;
 }
 
 TEST_F(CommandLine, MistakesAreOneLineAndCodeTwo) {
@@ -68,10 +75,17 @@ TEST_F(CommandLine, MistakesAreOneLineAndCodeTwo) {
   expect_error("render " + scene + " --technique pixel-basis -p resolution=64 -o x.exr", "resolution 16 and 32");
   expect_error("render " + scene + " --technique pixel-basis -p colour=red -o x.exr", "no parameter 'colour'");
   expect_error("render " + scene + " --technique ray-traced -o x.jpeg2", ".exr or .png");
-  expect_error("render bunny-lamp-small --technique pixel-basis -o x.exr", "cannot shade the light");
+  const std::string lamp = folder_.write(
+      "lamp.toml",
+      "name = \"lamp\"\n[occluder]\nmesh = \"box\"\n[receivers]\nplane = { half_extent = 1.0, resolution = 4 }\n"
+      "[light]\narea = { centre = [0, 9, 0], normal = [0, -1, 0], radius = 1.0 }\n");
+  expect_error("render " + lamp + " --technique pixel-basis -o x.exr", "cannot shade the light");
   expect_error("reference " + scene + " --rung 13x13", "area lights");
   expect_error("reference " + scene + " --rung best", "truth");
   expect_error("fit teapot --spheres 4 -o s.json", "no such mesh file");
+  expect_error("fit bowl --spheres 4 -o s.json", "96 of");
+  expect_error("fit box --spheres 4 --objective best -o s.json", "cover, shadow, k-means, grid");
+  expect_error("fit box --spheres 4 -o s.txt", ".json");
   expect_error("run no-such-suite", "quick");
   const Outcome usage = run("dance");
   EXPECT_EQ(usage.code, 2);

@@ -79,7 +79,7 @@ TEST(SceneFile, MistakesNameFileLineKeyAndWhatIsAllowed) {
        {"t.toml:8", "'fog'", "motion"}},
       {"unknown key",
        scene_text("[occluder]\nmesh = \"box\"\ncolour = 1\n", good_receivers, good_light),
-       {"t.toml:4", "occluder.colour", "fit, mesh, spheres"}},
+       {"t.toml:4", "occluder.colour", "fit, mesh, objective, spheres"}},
       {"unknown mesh",
        scene_text("[occluder]\nmesh = \"teapot\"\n", good_receivers, good_light),
        {"t.toml:3", "occluder.mesh", "bunny", "torus-knot"}},

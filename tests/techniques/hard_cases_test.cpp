@@ -176,5 +176,31 @@ TEST(PixelSum, NanBehindABlockedTexelIsNotSeen) {
   EXPECT_FALSE(std::isnan(pixel_sum(CubeLight(light), blocked, {0, 1, 0}, vec3(1.0f)).x));
 }
 
+/// Rays that meet the spheres themselves: what the error of a fit is measured with.
+TEST(RayTracedSpheres, CapAndRestingSphereComeNearTheirClosedForms) {
+  for (const char* backend : {"scalar", "simd"}) {
+    const auto e = [&](const Sphere& sphere) {
+      Scene scene = test::sphere_scene({sphere}, test::receivers_at({vec3(0.0f)}));
+      scene.mesh = make_box(vec3(50.0f), vec3(51.0f));  // out of sight: only the spheres count
+      return double(test::shade("ray-traced", backend, {"rays=16384", "occluder=spheres"}, scene)[0].x);
+    };
+    for (const double theta : {0.2, 0.7, 1.2})
+      EXPECT_NEAR(e(test::cap_sphere({0, 1, 0}, theta)), 1.0 - std::pow(std::sin(theta), 2), 3e-3) << theta;
+    EXPECT_NEAR(e({{1.0f, 0.5f, 0.0f}, 0.5f}), 1.0 - std::pow(5.0, -1.5), 3e-3);
+    EXPECT_EQ(e({{0.1f, 0.2f, 0.0f}, 1.0f}), 0.0) << "inside the sphere";
+  }
+}
+
+TEST(RayTracedSpheres, RefusesScenesWithoutOrWithin) {
+  Scene scene = test::sphere_scene({}, test::receivers_at({vec3(0.0f)}));
+  const auto error = [&] {
+    return test::error_of([&] { test::shade("ray-traced", "simd", {"occluder=spheres"}, scene); });
+  };
+  EXPECT_NE(error().find("no spheres"), std::string::npos);
+  scene.spheres.spheres = {{{0, 3, 0}, 1.0f}};
+  scene.receivers.on_occluder[0] = 1;
+  EXPECT_NE(error().find("lie on the mesh"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -145,7 +145,7 @@ TEST(Fit, ManyComponentsAreAllCovered) {
     expect_covered(mesh, set);
     if (spheres == 9) {
       const FitQuality q = assess_fit(mesh, set);
-      EXPECT_LT(q.outside, 0.1 * q.volume) << "one each";
+      EXPECT_LT(q.outside, 0.15 * q.volume) << "one each";
     }
   }
 }
