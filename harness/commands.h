@@ -25,7 +25,8 @@ struct ReferenceOptions {
 void reference(const ReferenceOptions& options);
 
 struct FitOptions {
-  std::string mesh, output;  ///< mesh: asset, shape or file; output: .json, beside it a picture of the same name in .png
+  std::string mesh;    ///< asset, shape or file
+  std::string output;  ///< .json; beside it a picture of the same name in .png
   FitRequest request;
 };
 /// Fits spheres, writes them and a picture, prints what they are worth.

@@ -6,17 +6,12 @@
 #include "harness/progress.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
-#include "scenes/shapes.h"
 
 namespace penumbra {
 
 void fit(const FitOptions& options) {
   if (!options.output.ends_with(".json")) throw Error("-o {}: the name must end in .json", options.output);
-  Mesh mesh;
-  if (!make_shape(options.mesh, mesh)) {
-    const std::string file = asset_file(options.mesh, "mesh");
-    mesh = load_mesh(file.empty() ? options.mesh : file);
-  }
+  const Mesh mesh = mesh_by_name(options.mesh);
   const auto start = std::chrono::steady_clock::now();
   SphereSet set;
   {

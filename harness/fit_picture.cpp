@@ -32,7 +32,8 @@ Image draw_fit(const Mesh& mesh, const SphereSet& set, int size) {
   const Bounds more = bounds(set);
   if (!set.empty()) box = {glm::min(box.low, more.low), glm::max(box.high, more.high)};
   const float half = 0.5f * glm::length(box.extent());
-  const vec3 forward = glm::normalize(vec3(-0.45f, -0.35f, -0.82f)), right = glm::normalize(glm::cross(forward, {0, 1, 0}));
+  const vec3 forward = glm::normalize(vec3(-0.45f, -0.35f, -0.82f)),
+             right = glm::normalize(glm::cross(forward, {0, 1, 0}));
   const vec3 up = glm::cross(right, forward);
   Image image{3 * size, size, std::vector<vec3>(std::size_t(3) * size * size, vec3(1.0f))};
   tbb::parallel_for(0, size, [&](int row) {

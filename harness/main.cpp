@@ -77,7 +77,8 @@ void add_fit(CLI::App& app) {
       ->default_val("nearest")
       ->check(CLI::IsMember({"nearest", "flood"}));
   command->add_option("--seed", options.request.seed, "Same seed, same spheres")->default_val(1);
-  command->add_option("-o", options.output, "JSON file for scene files; a picture of the same name beside it")->required();
+  command->add_option("-o", options.output, "JSON file for scene files; a picture of the same name beside it")
+      ->required();
   command->callback([] {
     options.request.objective = parse_objective(objective);
     options.request.assignment = assignment == "flood" ? Assignment::flood : Assignment::nearest;

@@ -59,7 +59,6 @@ Row SceneRun::empty_row(const Variant& variant) const {
 }
 
 void SceneRun::make_sequence(Progress& progress) {
-  settings_.resolution = 0;
   sequence_.emplace(scene_, settings_, [&](int frame) {
     progress.share(fmt::format("{}: truths of {} frames", scene_.name, animation_.frames()),
                    double(frame) / animation_.frames());

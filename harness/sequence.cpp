@@ -16,7 +16,8 @@ Sequence::Sequence(const Scene& scene, const ReferenceSettings& settings, const 
     : scene_(scene) {
   Animation animation(scene);
   const bool carried = animation.deforms() && !scene.mesh.empty() && !scene.spheres.empty();
-  const SphereCarrier carrier = carried ? SphereCarrier(scene.mesh, scene.spheres, scene.motion.carry) : SphereCarrier();
+  const SphereCarrier carrier =
+      carried ? SphereCarrier(scene.mesh, scene.spheres, scene.motion.carry) : SphereCarrier();
   SphereSet moved = scene.spheres;
   for (int f = 0; f < animation.frames() && !interrupted(); ++f) {
     tick(f);
@@ -66,22 +67,28 @@ std::string make_sequence_table(const std::vector<Row>& rows) {
     for (const double x : v) sum += x;
     return v.empty() ? 0.0 : sum / double(v.size());
   };
-  const auto largest = [](const std::vector<double>& v) { return v.empty() ? 0.0 : *std::max_element(v.begin(), v.end()); };
+  const auto largest = [](const std::vector<double>& v) {
+    return v.empty() ? 0.0 : *std::max_element(v.begin(), v.end());
+  };
   std::string text;
   for (const Row& row : rows) {
     if (!row.ok() || !row.sequence) continue;
     if (text.empty())
       text =
-          "\n## Over all frames\n\nRelative RMSE in percent against each frame's truth; `flicker`: RMS of the change of "
+          "\n## Over all frames\n\nRelative RMSE in percent against each frame's truth; `flicker`: RMS of the change "
+          "of "
           "error from frame to frame; `carry`: moving the spheres with the mesh, before any technique.\n\n"
           "| scene | variant | spheres | frames | mean % | worst % | flicker % | truth's noise % | least surface "
-          "coverage % | carry ms | update ms | shade ms | frame ms |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+          "coverage % | carry ms | update ms | shade ms | frame ms "
+          "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
     const SequenceErrors& s = *row.sequence;
     const double least = s.coverage.empty() ? 0.0 : *std::min_element(s.coverage.begin(), s.coverage.end());
-    text += fmt::format("| {} | {} | {} {} | {} | {:.3g} | {:.3g} | {:.3g} | {:.2g} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | **{:.3f}** |\n",
-                        row.scene, row.variant(), row.spheres, row.objective, s.rel_rmse.size(), 100.0 * mean(s.rel_rmse),
-                        100.0 * largest(s.rel_rmse), 100.0 * mean(s.flicker), 100.0 * s.rel_noise, 100.0 * least,
-                        s.carry_ms, median(row.update_ms), median(row.shade_ms), row.median_frame_ms());
+    text += fmt::format(
+        "| {} | {} | {} {} | {} | {:.3g} | {:.3g} | {:.3g} | {:.2g} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | **{:.3f}** "
+        "|\n",
+        row.scene, row.variant(), row.spheres, row.objective, s.rel_rmse.size(), 100.0 * mean(s.rel_rmse),
+        100.0 * largest(s.rel_rmse), 100.0 * mean(s.flicker), 100.0 * s.rel_noise, 100.0 * least, s.carry_ms,
+        median(row.update_ms), median(row.shade_ms), row.median_frame_ms());
   }
   return text;
 }

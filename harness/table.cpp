@@ -67,7 +67,8 @@ void append_rows(const std::vector<const Row*>& rows, const std::vector<const Ro
     const std::string spheres = std::to_string(r.spheres) + (r.objective.empty() ? "" : " " + r.objective);
     const std::string geometry = r.geometry < 0.0 ? "" : fmt::format("{:.3g}", 100.0 * r.geometry);
     text += fmt::format(
-        "| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | **{:.3f}** | {:.1f} | {} | {} | {} | {} | {} | {:+.2g} "
+        "| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | **{:.3f}** | {:.1f} | {} | {} | {} | {} | {} | "
+        "{:+.2g} "
         "| {} | {:.1f} | {} | {} |\n",
         optimal[i] ? "P" : "", r.technique, backend, telling_parameters(r, scene_rows), r.threads, spheres,
         r.prepare_ms, median(r.update_ms), median(r.shade_ms), r.median_frame_ms(), double(r.bytes.total()) / 1048576.0,
@@ -88,7 +89,8 @@ std::string make_table(const std::vector<Row>& rows) {
       "noise. `P`: no other row of the scene is both faster and nearer to the truth.\n`signed`: mean of image - truth "
       "in "
       "W m^-2 sr^-1 (positive leaks light, negative over-darkens); `negative`: channel values below 0, left as they "
-      "are. PSNR, SSIM and FLIP are against truth. `geometry`: rung spheres against rung cube, what the sphere set alone "
+      "are. PSNR, SSIM and FLIP are against truth. `geometry`: rung spheres against rung cube, what the sphere set "
+      "alone "
       "adds.\n";
   for (const std::string& scene : scenes) {
     std::vector<const Row*> good, bad;

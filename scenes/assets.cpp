@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "scenes/shapes.h"
 #include "scenes/toml_reader.h"
 
 namespace penumbra {
@@ -55,6 +56,13 @@ std::vector<std::string> shipped_names(const std::string& folder) {
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
+}
+
+Mesh mesh_by_name(const std::string& name_or_path) {
+  Mesh mesh;
+  if (make_shape(name_or_path, mesh)) return mesh;
+  const std::string file = asset_file(name_or_path, "mesh");
+  return load_mesh(file.empty() ? name_or_path : file);
 }
 
 std::string shipped_file(const std::string& name, const std::string& folder) {

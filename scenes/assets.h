@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/mesh.h"
+
 namespace penumbra {
 
 struct Asset {
@@ -22,6 +24,9 @@ std::string asset_file(const std::string& name, const std::string& kind);
 
 /// Names of all assets of a kind, separated by commas, for messages.
 std::string asset_names(const std::string& kind);
+
+/// A shape ("torus-knot"), an asset ("bunny") or a mesh file. Throws Error.
+Mesh mesh_by_name(const std::string& name_or_path);
 
 /// A shipped name ("bunny-city") or a path, as a path: PATH itself if it exists or ends in .toml, else
 /// data_folder()/folder/NAME.toml. Throws Error listing the shipped names.

@@ -30,9 +30,8 @@ std::vector<std::vector<unsigned>> clusters_of(const Mesh& mesh, const SphereSet
     nearest.resize(mesh.positions.size());
     std::iota(nearest.begin(), nearest.end(), 0u);
     const std::size_t few = std::min<std::size_t>(12, nearest.size());
-    std::partial_sort(nearest.begin(), nearest.begin() + std::ptrdiff_t(few), nearest.end(), [&](unsigned a, unsigned b) {
-      return height(a, set.spheres[k]) < height(b, set.spheres[k]);
-    });
+    std::partial_sort(nearest.begin(), nearest.begin() + std::ptrdiff_t(few), nearest.end(),
+                      [&](unsigned a, unsigned b) { return height(a, set.spheres[k]) < height(b, set.spheres[k]); });
     nearest.resize(few);
   }
   return clusters;
@@ -109,9 +108,8 @@ double surface_coverage(const Mesh& mesh, const SphereSet& set) {
     const uvec3& t = mesh.triangles[i];
     const vec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z], centroid = (a + b + c) / 3.0f;
     area[i] = glm::length(glm::cross(b - a, c - a));
-    const bool in = std::any_of(set.spheres.begin(), set.spheres.end(), [&](const Sphere& s) {
-      return glm::distance(centroid, s.centre) <= s.radius;
-    });
+    const bool in = std::any_of(set.spheres.begin(), set.spheres.end(),
+                                [&](const Sphere& s) { return glm::distance(centroid, s.centre) <= s.radius; });
     covered[i] = in ? area[i] : 0.0;
   });
   const double all = std::accumulate(area.begin(), area.end(), 0.0);

@@ -12,8 +12,8 @@ namespace penumbra {
 /// affine: by the least-squares affine motion, that is, as a fixed weighted sum of the vertices
 enum class Carry { rigid, affine };
 
-/// Every vertex belongs to the sphere whose surface it is nearest to, inside counting as negative distance. Spheres that
-/// get fewer than four follow the twelve vertices nearest to their surface.
+/// Every vertex belongs to the sphere whose surface it is nearest to, inside counting as negative distance. Spheres
+/// that get fewer than four follow the twelve vertices nearest to their surface.
 class SphereCarrier {
  public:
   SphereCarrier() = default;

@@ -169,13 +169,14 @@ void RayScene::build(const Mesh& mesh) {
 
 void RayScene::build(const SphereSet& set) {
   std::vector<Sphere> solid;
-  std::copy_if(set.spheres.begin(), set.spheres.end(), std::back_inserter(solid), [](const Sphere& s) { return s.radius > 0.0f; });
+  std::copy_if(set.spheres.begin(), set.spheres.end(), std::back_inserter(solid),
+               [](const Sphere& s) { return s.radius > 0.0f; });
   begin(bounds(set));
   if (!solid.empty()) {
     static_assert(sizeof(Sphere) == 4 * sizeof(float));  // Embree reads x, y, z, radius
     RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    auto* spheres = static_cast<Sphere*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                                                 sizeof(Sphere), solid.size()));
+    auto* spheres = static_cast<Sphere*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(Sphere), solid.size()));
     if (!spheres) throw Error("Embree has no memory for {} spheres", solid.size());
     std::copy(solid.begin(), solid.end(), spheres);
     rtcCommitGeometry(geometry);

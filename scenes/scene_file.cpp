@@ -48,7 +48,8 @@ SphereSet read_spheres(TomlReader& at, const Mesh& mesh, const SphereChoice& cho
   const toml::node* node = at.node("spheres");
   const bool fitted = choice.count || (node && node->is_integer());
   if (!fitted && at.has("objective")) at.fail("objective", "is for spheres given by count");
-  if (!fitted && choice.objective) at.fail("spheres", "is no count, so the objective that the suite asks for means nothing");
+  if (!fitted && choice.objective)
+    at.fail("spheres", "is no count, so the objective that the suite asks for means nothing");
   const Objective own = read_objective(at);
   if (fitted) {
     FitRequest request;

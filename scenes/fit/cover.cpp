@@ -71,7 +71,7 @@ class VariationalCover {
     balls_ = before;
     return false;
   }
-  static constexpr int attempts = 24;
+  static constexpr int attempts = 40;
 
   /// Balls without members take over half of the members of the ball that has most outside.
   void fill_empty() {
@@ -179,14 +179,23 @@ class VariationalCover {
     ball.outside = ball.growth(ball.radius);
   }
 
-  /// Every point to a ball, all anew.
+  /// Every point to a ball, all anew. A ball that gets the members it had stays as it is.
   void assign() {
-    for (Ball& b : balls_) b.members.clear(), b.radius = b.outside = 0.0, b.settled = false;
-    if (assignment_ == Assignment::flood) return flood();
-    std::vector<Choice> choice(points_.size());
-    tbb::parallel_for(0, points_.size(), [&](int p) {
-      choice[p] = cheapest(p, nullptr, [](std::size_t) { return 0.0; });
+    const std::vector<Ball> before = balls_;
+    for (Ball& b : balls_) b.members.clear(), b.radius = b.outside = 0.0;
+    if (assignment_ == Assignment::flood) flood();
+    else assign_to_nearest();
+    tbb::parallel_for(std::size_t(0), balls_.size(), [&](std::size_t k) {
+      std::vector<int> old = before[k].members;
+      std::sort(old.begin(), old.end()), std::sort(balls_[k].members.begin(), balls_[k].members.end());
+      if (before[k].settled && old == balls_[k].members) balls_[k] = before[k];
     });
+  }
+
+  void assign_to_nearest() {
+    std::vector<Choice> choice(points_.size());
+    tbb::parallel_for(0, points_.size(),
+                      [&](int p) { choice[p] = cheapest(p, nullptr, [](std::size_t) { return 0.0; }); });
     for (int p = 0; p < points_.size(); ++p) give(balls_[choice[p].ball], p, choice[p].distance);
   }
 
@@ -244,7 +253,8 @@ class VariationalCover {
         if (value < least) least = value, best = centre;
         return value / (scale * scale * scale);
       }
-    } search{*this, ball, std::max(reach(ball, ball.centre), rows_.step()), std::numeric_limits<double>::max(), ball.centre};
+    } search{*this, ball, std::max(reach(ball, ball.centre), rows_.step()), std::numeric_limits<double>::max(),
+             ball.centre};
     search.cost(ball.centre);
     nlopt::opt powell(nlopt::LN_BOBYQA, 3);
     const auto trial = [](const std::vector<double>& x, std::vector<double>&, void* data) {
@@ -387,6 +397,7 @@ SphereSet cover_solid(const Mesh& solid, const SolidRows& rows, const FitPoints&
     if (progress) progress("closing gaps", round / 3.0);
     cover.add(loose_points(solid, cover.spheres()));
   }
+  cover.fill_empty();
   SphereSet set = cover.spheres();
   make_covering(solid, set);
   return set;

@@ -22,8 +22,8 @@ double farthest_corner(const Cell& cell, const Sphere& ball) {
 }
 
 /// Walks over the cells, down to 2^-deepest of the solid's box, that touch the solid and that no single ball holds.
-/// Calls point(p) with a point of the solid in or near each such cell, which may let a ball grow, and leaf(cell) for each
-/// of the smallest.
+/// Calls point(p) with a point of the solid in or near each such cell, which may let a ball grow, and leaf(cell) for
+/// each of the smallest.
 template <class Point, class Leaf>
 class CellSearch {
  public:
@@ -38,7 +38,8 @@ class CellSearch {
 
  private:
   bool held(const Cell& cell) const {
-    return std::any_of(balls_.begin(), balls_.end(), [&](const Sphere& b) { return farthest_corner(cell, b) <= b.radius; });
+    return std::any_of(balls_.begin(), balls_.end(),
+                       [&](const Sphere& b) { return farthest_corner(cell, b) <= b.radius; });
   }
 
   /// `inside_solid` says that the parent lay wholly inside the solid.

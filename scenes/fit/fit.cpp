@@ -40,6 +40,10 @@ struct UnitSolid {
     for (Sphere& s : set.spheres) s = {size * s.centre + centre, size * s.radius};
     return set;
   }
+  SphereSet reduced(SphereSet set) const {
+    for (Sphere& s : set.spheres) s = {(s.centre - centre) / size, s.radius / size};
+    return set;
+  }
 };
 
 /// Rows and points grow with the number of spheres: a sphere of the mean volume has a radius of about ten rows.
@@ -59,8 +63,7 @@ struct Samples {
 
 SphereSet cover(const Mesh& solid, const FitRequest& request, const std::string& what, const FitProgress& progress) {
   const Samples samples(solid, request.spheres);
-  FitPoints points =
-      sample_points(solid, samples.rows, samples.spacing(std::clamp(250.0 * request.spheres, 4e3, 3e4)));
+  FitPoints points = sample_points(solid, samples.rows, samples.spacing(std::clamp(250.0 * request.spheres, 4e3, 3e4)));
   if (points.size() < request.spheres)
     throw Error("{}: {} spheres asked for, but the mesh only has {} points", what, request.spheres, points.size());
   return cover_solid(solid, samples.rows, std::move(points), request, progress);
@@ -103,21 +106,37 @@ Objective parse_objective(const std::string& name) {
   throw Error("unknown objective '{}'; allowed are {}", name, objective_names);
 }
 
-SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::string& what,
-                      const FitProgress& progress) {
+namespace {
+
+/// `start_from` makes the covering set that the objective shadow starts from.
+template <class Cover>
+SphereSet fit_with(const Mesh& mesh, const FitRequest& request, const std::string& what, const FitProgress& progress,
+                   Cover start_from) {
   if (request.spheres < 1 || request.spheres > 4096)
     throw Error("{}: {} spheres asked for; between 1 and 4096 can be fitted", what, request.spheres);
   Repairs repairs;
   const UnitSolid solid(make_solid(mesh, what, &repairs));
-  if (repairs.any()) spdlog::warn("{}: {}", what, repairs.describe());
+  if (repairs.any() && request.objective != Objective::shadow)  // its start has said so
+    spdlog::warn("{}: {}", what, repairs.describe());
   switch (request.objective) {
     case Objective::cover:
       return solid.restored(cover(solid.mesh, request, what, progress));
-    case Objective::shadow:
-      return solid.restored(match_silhouettes(solid.mesh, cover(solid.mesh, request, what, progress), progress));
+    case Objective::shadow: {
+      FitRequest first = request;
+      first.objective = Objective::cover;
+      return solid.restored(match_silhouettes(solid.mesh, solid.reduced(start_from(first)), progress));
+    }
     default:
       return solid.restored(fit_baseline(solid.mesh, request, what));
   }
+}
+
+}  // namespace
+
+SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::string& what,
+                      const FitProgress& progress) {
+  return fit_with(mesh, request, what, progress,
+                  [&](const FitRequest& first) { return fit_spheres(mesh, first, what, progress); });
 }
 
 SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::string& what,
@@ -132,7 +151,8 @@ SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::str
   }
   spdlog::info("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
                cache_folder());
-  const SphereSet set = fit_spheres(mesh, request, what, progress);
+  const SphereSet set = fit_with(mesh, request, what, progress,
+                                 [&](const FitRequest& first) { return cached_fit(mesh, first, what, progress); });
   try {
     std::filesystem::create_directories(cache_folder());
     save_spheres(path, set);

@@ -20,7 +20,8 @@ Objective parse_objective(const std::string& name);
 
 /// How `cover` gives points to balls.
 /// nearest: to the ball whose outside volume is least when it reaches from zero radius to the point
-/// flood:   as published: one after the other by a flood fill, to the ball that grows most cheaply from its radius so far
+/// flood:   as published: one after the other by a flood fill, to the ball that grows most cheaply from its radius so
+/// far
 enum class Assignment { nearest, flood };
 
 struct FitRequest {
@@ -42,8 +43,8 @@ struct FitQuality {
 using FitProgress = std::function<void(const std::string& stage, double share)>;
 
 /// Fits spheres to a closed mesh. The same bits for any number of threads. The mesh is repaired where that is safe
-/// (make_solid). Throws Error naming `what` if the mesh is not closed, if no or more than 4096 spheres are asked for, or
-/// more than it has points. May return fewer spheres where fewer cover it as well.
+/// (make_solid). Throws Error naming `what` if the mesh is not closed, if no or more than 4096 spheres are asked for,
+/// or more than it has points. May return fewer spheres where fewer cover it as well.
 SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::string& what = "sphere fit",
                       const FitProgress& progress = {});
 

@@ -7,21 +7,14 @@
 #include "scenes/carry.h"
 #include "scenes/error.h"
 #include "scenes/fit/fit.h"
-#include "scenes/shapes.h"
 
 namespace {
 
 using namespace penumbra;
 
-Mesh mesh_named(const std::string& name) {
-  Mesh mesh;
-  if (!make_shape(name, mesh)) mesh = load_mesh(asset_file(name, "mesh"));
-  return mesh;
-}
-
 void fit(benchmark::State& state, const std::string& name, const FitRequest& request) {
   try {
-    const Mesh mesh = mesh_named(name);
+    const Mesh mesh = mesh_by_name(name);
     SphereSet set;
     for (auto _ : state) set = fit_spheres(mesh, request, name);
     const FitQuality quality = assess_fit(mesh, set, name);
@@ -36,7 +29,7 @@ void fit(benchmark::State& state, const std::string& name, const FitRequest& req
 
 /// Moving the spheres of a deforming mesh: what a frame costs before any technique sees it.
 void carry(benchmark::State& state, Carry how) {
-  const Mesh rest = mesh_named("bunny");
+  const Mesh rest = mesh_by_name("bunny");
   FitRequest request;
   request.spheres = int(state.range(0));
   SphereSet set = cached_fit(rest, request, "bunny");
@@ -72,9 +65,13 @@ int main(int argc, char** argv) {
   add_fits("torus", {16});
   for (const char* mesh : {"bunny", "horse", "torus-knot"}) add_fits(mesh, {8, 16, 32, 64, 128, 256});
   benchmark::RegisterBenchmark("carry/bunny/rigid", [](benchmark::State& state) { carry(state, Carry::rigid); })
-      ->Arg(128)->UseRealTime()->Unit(benchmark::kMillisecond);
+      ->Arg(128)
+      ->UseRealTime()
+      ->Unit(benchmark::kMillisecond);
   benchmark::RegisterBenchmark("carry/bunny/affine", [](benchmark::State& state) { carry(state, Carry::affine); })
-      ->Arg(128)->UseRealTime()->Unit(benchmark::kMillisecond);
+      ->Arg(128)
+      ->UseRealTime()
+      ->Unit(benchmark::kMillisecond);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
   return 0;

@@ -17,7 +17,9 @@ struct Lattice {
     for (int c = 2; c >= 0; --c) k = (k << 20) + std::int64_t(std::floor((p[c] - low[c]) / spacing)) + 1;
     return k;
   }
-  static std::int64_t offset(int x, int y, int z) { return ((std::int64_t(z) << 20) + y) * (std::int64_t(1) << 20) + x; }
+  static std::int64_t offset(int x, int y, int z) {
+    return ((std::int64_t(z) << 20) + y) * (std::int64_t(1) << 20) + x;
+  }
 };
 
 /// Midpoints and centroids, until no edge is longer than `spacing`.

@@ -12,13 +12,13 @@ namespace {
 /// 1983).
 double solid_angle(const dvec3& a, const dvec3& b, const dvec3& c, double determinant) {
   const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-  return 2.0 * std::atan2(determinant,
-                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+  return 2.0 * std::atan2(determinant, la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
 }
 
-/// One edge of a triangle in its plane, in polar coordinates about the foot of the perpendicular from the ball's centre:
-/// the edge lies at distance d from the foot, at offsets s along it. Everything is signed by the sense of rotation, and
-/// vanishes with the height h of the centre over the plane, so a centre on the surface needs no special care.
+/// One edge of a triangle in its plane, in polar coordinates about the foot of the perpendicular from the ball's
+/// centre: the edge lies at distance d from the foot, at offsets s along it. Everything is signed by the sense of
+/// rotation, and vanishes with the height h of the centre over the plane, so a centre on the surface needs no special
+/// care.
 class EdgePiece {
  public:
   EdgePiece(double height, double radius, double d)
@@ -85,7 +85,8 @@ double outside_volume(const Mesh& solid, const Sphere& sphere) {
 
 double outside_volume(const Mesh& solid, const SphereSet& set) {
   std::vector<double> volume(set.size());  // summed in order: the same bits for any number of threads
-  tbb::parallel_for(std::size_t(0), set.size(), [&](std::size_t i) { volume[i] = outside_volume(solid, set.spheres[i]); });
+  tbb::parallel_for(std::size_t(0), set.size(),
+                    [&](std::size_t i) { volume[i] = outside_volume(solid, set.spheres[i]); });
   double sum = 0.0;
   for (const double v : volume) sum += v;
   return sum;

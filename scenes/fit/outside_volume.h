@@ -5,8 +5,8 @@
 
 namespace penumbra {
 
-/// Volume of the sphere minus the solid, cubic metres; a sum over triangles in closed form, exact to rounding. Zero-area
-/// triangles contribute nothing.
+/// Volume of the sphere minus the solid, cubic metres; a sum over triangles in closed form, exact to rounding.
+/// Zero-area triangles contribute nothing.
 ///
 /// Seen from the centre o, a triangle ends the solid at distance t(w). What ball and solid share is
 ///   sum over triangles of sign(n . (v - o)) * integral over its solid angle of min(t, R)^3 / 3 dw.

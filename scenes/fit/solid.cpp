@@ -50,7 +50,7 @@ class Topology {
 
   /// Drops small patches, bounded by edges of three triangles, that close a wall which is closed already.
   int drop_double_walls() {
-    const std::vector<std::vector<unsigned>> patches = split_into_patches();
+    const std::vector<std::vector<unsigned>> patches = split_into_patches([](unsigned, int, unsigned, bool) {});
     std::vector<std::size_t> order(patches.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(),
@@ -96,30 +96,13 @@ class Topology {
 
   /// Makes neighbours agree, component by component; returns the components. Only swaps second and third corners.
   std::vector<std::vector<unsigned>> orient(const std::string& what) {
-    std::vector<std::vector<unsigned>> components;
-    std::vector<char> seen(mesh_.triangles.size());
-    for (unsigned seed = 0; seed < seen.size(); ++seed) {
-      if (seen[seed]) continue;
-      seen[seed] = 1;
-      std::vector<unsigned>& component = components.emplace_back();
-      component.push_back(seed);
-      for (std::size_t i = 0; i < component.size(); ++i)
-        for (int k = 0; k < 3; ++k) {
-          const uvec3 own = mesh_.triangles[component[i]];
-          const std::vector<unsigned>& both = edges_[edge_of(own, k)];
-          if (both.size() != 2) continue;
-          const unsigned other = both[0] == component[i] ? both[1] : both[0];
-          uvec3& neighbour = mesh_.triangles[other];
-          const bool agrees = directs(neighbour, edge_of(own, k)) != forward(own, k);
-          if (seen[other] && !agrees)
-            throw Error("{}: the mesh has one side only (like a Moebius strip) at triangle {}", what, other);
-          if (seen[other]) continue;
-          if (!agrees) std::swap(neighbour.y, neighbour.z);
-          seen[other] = 1;
-          component.push_back(other);
-        }
-    }
-    return components;
+    return split_into_patches([&](unsigned from, int k, unsigned to, bool seen) {
+      const uvec3& own = mesh_.triangles[from];
+      uvec3& neighbour = mesh_.triangles[to];
+      if (directs(neighbour, edge_of(own, k)) != forward(own, k)) return;
+      if (seen) throw Error("{}: the mesh has one side only (like a Moebius strip) at triangle {}", what, to);
+      std::swap(neighbour.y, neighbour.z);
+    });
   }
 
   /// Throws if at some edge as many triangles do not leave as arrive.
@@ -147,8 +130,9 @@ class Topology {
     return false;
   }
 
-  /// Triangles connected through edges of exactly two triangles.
-  std::vector<std::vector<unsigned>> split_into_patches() const {
+  /// Triangles connected through edges of exactly two triangles; cross(from, edge, to, seen) is called at each step.
+  template <class Cross>
+  std::vector<std::vector<unsigned>> split_into_patches(Cross cross) const {
     std::vector<std::vector<unsigned>> patches;
     std::vector<char> seen(mesh_.triangles.size());
     for (unsigned seed = 0; seed < seen.size(); ++seed) {
@@ -158,10 +142,11 @@ class Topology {
       patch.push_back(seed);
       for (std::size_t i = 0; i < patch.size(); ++i)
         for (int k = 0; k < 3; ++k) {
-          const auto& triangles = edges_.at(edge_of(mesh_.triangles[patch[i]], k));
-          if (triangles.size() != 2) continue;
-          for (const unsigned t : triangles)
-            if (!seen[t]) seen[t] = 1, patch.push_back(t);
+          const auto& both = edges_.at(edge_of(mesh_.triangles[patch[i]], k));
+          if (both.size() != 2) continue;
+          const unsigned other = both[0] == patch[i] ? both[1] : both[0];
+          cross(patch[i], k, other, seen[other] != 0);
+          if (!seen[other]) seen[other] = 1, patch.push_back(other);
         }
     }
     return patches;
@@ -174,7 +159,8 @@ class Topology {
     for (const unsigned t : patch)
       for (int k = 0; k < 3; ++k) {
         const auto& triangles = edges_.at(edge_of(mesh_.triangles[t], k));
-        const auto inside = std::count_if(triangles.begin(), triangles.end(), [&](unsigned u) { return own.contains(u); });
+        const auto inside =
+            std::count_if(triangles.begin(), triangles.end(), [&](unsigned u) { return own.contains(u); });
         const auto outside = std::ptrdiff_t(triangles.size()) - inside;
         if (outside > 0) has_border = true;
         if (outside > 0 && (outside % 2 != 0 || inside % 2 == 0)) return false;

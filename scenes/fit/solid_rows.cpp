@@ -71,8 +71,7 @@ void SolidRows::trace_rows(const Mesh& solid) {
     float* before = &prefix_[r * (size_[0] + 1)];
     for (int i = 0; i <= size_[0]; ++i) {
       double length = 0.0;
-      for (const Interval& in : inside_[r])
-        length += std::clamp(low_.x + step_ * i - in.low, 0.0, in.high - in.low);
+      for (const Interval& in : inside_[r]) length += std::clamp(low_.x + step_ * i - in.low, 0.0, in.high - in.low);
       before[i] = float(length);
     }
   });
@@ -145,7 +144,8 @@ SolidRows::Difference SolidRows::difference(const SphereSet& set) const {
         if (fresh.high <= fresh.low) continue;
         reached = fresh.high;
         covered += fresh.high - fresh.low;
-        for (const Interval& in : solid) both += std::max(0.0, std::min(in.high, fresh.high) - std::max(in.low, fresh.low));
+        for (const Interval& in : solid)
+          both += std::max(0.0, std::min(in.high, fresh.high) - std::max(in.low, fresh.low));
       }
       for (const Interval& in : solid) solid_length += in.high - in.low;
       sum.uncovered += solid_length - both;

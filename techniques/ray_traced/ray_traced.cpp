@@ -12,10 +12,10 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "scenes/error.h"
 #include "techniques/bases/distinct_normals.h"
 #include "techniques/bases/random.h"
 #include "techniques/bases/ray_packets.h"
-#include "scenes/error.h"
 #include "techniques/registry.h"
 
 namespace penumbra {
@@ -26,7 +26,9 @@ using SampleSet = std::vector<LightSample>;
 class RayTraced : public Technique {
  public:
   explicit RayTraced(const Parameters& p)
-      : count_(p.integer("rays")), seed_(std::uint64_t(p.integer("seed"))), ratio_(p.text("estimator") == "ratio"),
+      : count_(p.integer("rays")),
+        seed_(std::uint64_t(p.integer("seed"))),
+        ratio_(p.text("estimator") == "ratio"),
         spheres_(p.text("occluder") == "spheres") {}
 
   void prepare(const Scene& scene) override {
@@ -159,7 +161,8 @@ void register_ray_traced(Registry& registry) {
         integer_parameter("seed", 1, 0, 1 << 30, "", "same seed, same image"),
         choice_parameter("estimator", {"ratio", "plain"},
                          "ratio: exact unshadowed light x sampled visible share, where normals are shared"),
-        choice_parameter("occluder", {"mesh", "spheres"}, "what the rays meet; spheres show the error of the fit alone")};
+        choice_parameter("occluder", {"mesh", "spheres"},
+                         "what the rays meet; spheres show the error of the fit alone")};
     if (packets) entry.make = [](const Parameters& p) { return std::make_unique<RayTracedPackets>(p); };
     else entry.make = [](const Parameters& p) { return std::make_unique<RayTraced>(p); };
     entry.parity = 1e-3;  // Embree's packet and single-ray traversals may round an edge differently

@@ -10,7 +10,8 @@ namespace {
 
 SphereSet spheres_in(const Mesh& mesh) {
   SphereSet set;
-  for (int i = 0; i < 12; ++i) set.spheres.push_back({0.8f * mesh.positions[std::size_t(i) * 811 % mesh.positions.size()], 0.3f});
+  for (int i = 0; i < 12; ++i)
+    set.spheres.push_back({0.8f * mesh.positions[std::size_t(i) * 811 % mesh.positions.size()], 0.3f});
   set.spheres.push_back({{0, 50, 0}, 0.1f});  // far away: no vertex is its own
   return set;
 }
@@ -25,7 +26,8 @@ void expect_carried(Carry carry, Map map, double tolerance) {
   SphereSet out = set;
   carrier.move(moved, out);
   for (std::size_t i = 0; i < set.size(); ++i) {
-    EXPECT_LT(glm::distance(out.spheres[i].centre, map(set.spheres[i].centre)), tolerance * (i == 12 ? 10.0 : 1.0)) << i;
+    EXPECT_LT(glm::distance(out.spheres[i].centre, map(set.spheres[i].centre)), tolerance * (i == 12 ? 10.0 : 1.0))
+        << i;
     EXPECT_EQ(out.spheres[i].radius, set.spheres[i].radius);
   }
 }
@@ -39,7 +41,8 @@ vec3 turned(vec3 p, float angle) {
 TEST(SphereCarrier, RigidMotionIsExact) {
   for (const float angle : {0.0f, 0.3f, 1.5f, 3.0f})
     for (const Carry carry : {Carry::rigid, Carry::affine})
-      expect_carried(carry, [&](vec3 p) { return turned(p, angle) + vec3(1, -2, 3); }, 2e-3);
+      expect_carried(
+          carry, [&](vec3 p) { return turned(p, angle) + vec3(1, -2, 3); }, 2e-3);
 }
 
 TEST(SphereCarrier, AffineMotionIsExactForAffine) {
@@ -102,7 +105,8 @@ TEST(Animation, TwistingMeshCarriesItsSpheres) {
   for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
     const vec3 at = scene.spheres.spheres[i].centre, now = twisted.spheres.spheres[i].centre;
     const float angle = (at.y - box.low.y) / box.extent().y, c = std::cos(angle), s = std::sin(angle);
-    EXPECT_LT(glm::distance(now, {c * at.x + s * at.z, at.y, c * at.z - s * at.x}), 0.1f) << "near to where a point goes";
+    EXPECT_LT(glm::distance(now, {c * at.x + s * at.z, at.y, c * at.z - s * at.x}), 0.1f)
+        << "near to where a point goes";
     farthest = std::max(farthest, double(glm::distance(now, at)));
   }
   EXPECT_GT(farthest, 0.2);

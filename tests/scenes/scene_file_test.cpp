@@ -195,7 +195,9 @@ TEST(SceneFile, SphereCountCanBeOverridden) {
   const Scene scene = load_scene("torus-knot-lamps", {8, Objective::k_means});
   EXPECT_EQ(scene.spheres.size(), 8u);
   EXPECT_EQ(scene.objective, "k-means");
-  EXPECT_NE(test::error_of([] { load_scene("resting-sphere-constant", {{}, Objective::cover}); }).find("no count"),
+  EXPECT_NE(test::error_of([] {
+              load_scene("resting-sphere-constant", {{}, Objective::cover});
+            }).find("no count"),
             std::string::npos);
 }
 

@@ -79,7 +79,8 @@ TEST(Fit, EqualForAnyNumberOfThreadsAndForASeed) {
       EXPECT_EQ(one.spheres[i].radius, two.spheres[i].radius) << to_string(objective);
     }
   }
-  const SphereSet a = fit_spheres(small_knot(), {8, Objective::cover, 1}), b = fit_spheres(small_knot(), {8, Objective::cover, 2});
+  const SphereSet a = fit_spheres(small_knot(), {8, Objective::cover, 1}),
+                  b = fit_spheres(small_knot(), {8, Objective::cover, 2});
   EXPECT_NE(a.spheres[0].centre, b.spheres[0].centre) << "the seed is used";
 }
 
@@ -115,7 +116,8 @@ TEST(Fit, ShadowsHaveTheRightArea) {
   RayScene shadow, cover;
   shadow.build(fit_spheres(mesh, {24, Objective::shadow}));
   cover.build(fit_spheres(mesh, {24, Objective::cover}));
-  for (const vec3 direction : {vec3(0, 1, 0), vec3(1, 0, 0), glm::normalize(vec3(1, 2, 3)), glm::normalize(vec3(-3, 1, 0.5f))}) {
+  for (const vec3 direction :
+       {vec3(0, 1, 0), vec3(1, 0, 0), glm::normalize(vec3(1, 2, 3)), glm::normalize(vec3(-3, 1, 0.5f))}) {
     const double truth = area(solid, direction);
     EXPECT_NEAR(area(shadow, direction) / truth, 1.0, 0.03);
     EXPECT_GT(area(cover, direction) / truth, 1.05) << "what covers must stick out";
@@ -177,7 +179,9 @@ TEST(Fit, CacheKeepsAndMendsFits) {
   setenv("PENUMBRA_CACHE", (folder.path() + "/cache").c_str(), 1);
   const FitRequest request{6, Objective::cover};
   int computed = 0;
-  const auto fit = [&] { return cached_fit(small_knot(), request, "knot", [&](const std::string&, double) { ++computed; }); };
+  const auto fit = [&] {
+    return cached_fit(small_knot(), request, "knot", [&](const std::string&, double) { ++computed; });
+  };
   const SphereSet first = fit();
   EXPECT_GT(computed, 0);
   computed = 0;

@@ -13,7 +13,9 @@ const Mesh& cube() {
   return mesh;
 }
 
-double ball(double radius) { return 4.0 / 3.0 * pi * radius * radius * radius; }
+double ball(double radius) {
+  return 4.0 / 3.0 * pi * radius * radius * radius;
+}
 
 /// h^3 times the number of voxel centres in the sphere and outside the solid, h = R / 50.
 double counted(const Mesh& solid, const Sphere& s) {
