@@ -134,20 +134,20 @@ class Topology {
   template <class Cross>
   std::vector<std::vector<unsigned>> split_into_patches(Cross cross) const {
     std::vector<std::vector<unsigned>> patches;
-    std::vector<char> seen(mesh_.triangles.size());
+    std::vector<bool> seen(mesh_.triangles.size());
     for (unsigned seed = 0; seed < seen.size(); ++seed) {
       if (seen[seed]) continue;
-      seen[seed] = 1;
-      std::vector<unsigned>& patch = patches.emplace_back();
-      patch.push_back(seed);
+      seen[seed] = true;
+      std::vector<unsigned> patch{seed};
       for (std::size_t i = 0; i < patch.size(); ++i)
         for (int k = 0; k < 3; ++k) {
           const auto& both = edges_.at(edge_of(mesh_.triangles[patch[i]], k));
           if (both.size() != 2) continue;
           const unsigned other = both[0] == patch[i] ? both[1] : both[0];
-          cross(patch[i], k, other, seen[other] != 0);
-          if (!seen[other]) seen[other] = 1, patch.push_back(other);
+          cross(patch[i], k, other, bool(seen[other]));
+          if (!seen[other]) seen[other] = true, patch.push_back(other);
         }
+      patches.push_back(std::move(patch));
     }
     return patches;
   }
