@@ -382,10 +382,10 @@ class VariationalCover {
 
 }  // namespace
 
-SphereSet cover_solid(const Mesh& solid, const SolidRows& rows, const FitPoints& points, const FitRequest& request,
+SphereSet cover_solid(const Mesh& solid, const SolidRows& rows, FitPoints points, const FitRequest& request,
                       const FitProgress& progress) {
   if (progress) progress("assigning points", 0.0);
-  VariationalCover cover(rows, points, request);
+  VariationalCover cover(rows, std::move(points), request);
   const int rounds = 2 * request.spheres + VariationalCover::attempts;
   int failed = 0;
   for (int round = 0; round < rounds && failed < VariationalCover::attempts; ++round) {

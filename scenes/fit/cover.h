@@ -7,7 +7,7 @@
 namespace penumbra {
 
 /// Balls that hold the whole solid, with a small sum of outside volumes. At most request.spheres of them.
-SphereSet cover_solid(const Mesh& solid, const SolidRows& rows, const FitPoints& points, const FitRequest& request,
+SphereSet cover_solid(const Mesh& solid, const SolidRows& rows, FitPoints points, const FitRequest& request,
                       const FitProgress& progress);
 
 /// Grows balls until they hold every point of the solid for certain: cells that one ball does not hold are divided down

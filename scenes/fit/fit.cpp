@@ -151,8 +151,8 @@ SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::str
   }
   spdlog::info("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
                cache_folder());
-  const SphereSet set = fit_with(mesh, request, what, progress,
-                                 [&](const FitRequest& first) { return cached_fit(mesh, first, what, progress); });
+  SphereSet set = fit_with(mesh, request, what, progress,
+                           [&](const FitRequest& first) { return cached_fit(mesh, first, what, progress); });
   try {
     std::filesystem::create_directories(cache_folder());
     save_spheres(path, set);

@@ -63,8 +63,9 @@ class Silhouettes {
       for (int column = 0; column < pixels; ++column) {
         int hits = 0;
         for (int s = 0; s < sub * sub; ++s) {
-          const float x = (float(column) + (float(s % sub) + 0.5f) / sub) * pixel_ - half_width_;
-          const float y = (float(row) + (float(s / sub) + 0.5f) / sub) * pixel_ - half_width_;
+          const int sx = s % sub, sy = s / sub;
+          const float x = (float(column) + (float(sx) + 0.5f) / sub) * pixel_ - half_width_;
+          const float y = (float(row) + (float(sy) + 0.5f) / sub) * pixel_ - half_width_;
           const vec3 origin = box_.centre() + x * view.right + y * view.up - 0.5f * far * view.forward;
           hits += rays.occluded(origin, view.forward, far);
         }
