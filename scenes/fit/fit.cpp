@@ -17,7 +17,10 @@
 namespace penumbra {
 namespace {
 
-constexpr int algorithm_version = 1;  // raise when a fit changes: cached ones are then never looked at
+/// Raise what changes: cached fits are then never looked at.
+constexpr int version_of(Objective objective) {
+  return objective == Objective::shadow ? 2 : 1;
+}
 
 constexpr std::pair<const char*, Objective> names[] = {{"cover", Objective::cover},
                                                        {"shadow", Objective::shadow},
@@ -83,7 +86,7 @@ SphereSet fit_baseline(const Mesh& solid, const FitRequest& request, const std::
 
 std::string fit_key(const Mesh& mesh, const FitRequest& request) {
   ContentHash hash;
-  hash.add_value(algorithm_version);
+  hash.add_value(version_of(request.objective));
   hash.add_value(request.spheres);
   hash.add_value(int(request.objective));
   hash.add_value(request.seed);

@@ -91,52 +91,48 @@ class Silhouettes {
     return d;
   }
 
-  static constexpr float opaque = 0.9999f;  // below 1, so that what other discs let through can be divided out
-
   /// Coverage of a pixel by one disc, soft over two pixels about its edge, and its slope by (radius^2 - distance^2).
   static float cover(const Disc& d, float dx, float dy, float& slope) {
     const float u = 0.5f + 0.25f * (d.radius * d.radius - dx * dx - dy * dy) / d.edge;
     slope = 0.0f;
     if (u <= 0.0f) return 0.0f;
-    if (u >= 1.0f) return opaque;
-    slope = opaque * 6.0f * u * (1.0f - u) * 0.25f / d.edge;
-    return opaque * u * u * (3.0f - 2.0f * u);
+    if (u >= 1.0f) return 1.0f;
+    slope = 6.0f * u * (1.0f - u) * 0.25f / d.edge;
+    return u * u * (3.0f - 2.0f * u);
   }
 
+  /// A pixel is covered as much as by the disc that covers it most. (A product of what each lets through would count
+  /// edges that coincide twice, and shrink sets of many overlapping spheres.)
   double loss_of(const View& view, const std::vector<double>& x, std::vector<double>& slopes) const {
     const std::size_t count = x.size() / 4;
-    std::vector<float> clear(view.mask.size(), 1.0f);
+    std::vector<float> covered(view.mask.size(), 0.0f);
+    std::vector<int> owner(view.mask.size(), -1);
     std::vector<Disc> discs;
     discs.reserve(count);
     float slope;
     for (std::size_t k = 0; k < count; ++k) {
       const Disc& d = discs.emplace_back(project(view, &x[4 * k]));
       for (int row = d.row0; row <= d.row1; ++row)
-        for (int column = d.column0; column <= d.column1; ++column)
-          clear[std::size_t(row) * pixels + column] *= 1.0f - cover(d, float(column) - d.x, float(row) - d.y, slope);
+        for (int column = d.column0; column <= d.column1; ++column) {
+          const std::size_t i = std::size_t(row) * pixels + column;
+          const float alpha = cover(d, float(column) - d.x, float(row) - d.y, slope);
+          if (alpha > covered[i]) covered[i] = alpha, owner[i] = int(k);
+        }
     }
     double sum = 0.0;
-    std::vector<float> by_clear(clear.size());  // of the loss by `clear`
-    for (std::size_t i = 0; i < clear.size(); ++i) {
-      const float error = 1.0f - clear[i] - view.mask[i];
-      sum += double(error) * double(error);
-      by_clear[i] = -2.0f * error;
-    }
     slopes.assign(x.size(), 0.0);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Disc& d = discs[k];
-      float by_x = 0.0f, by_y = 0.0f, by_radius = 0.0f;
-      for (int row = d.row0; row <= d.row1; ++row)
-        for (int column = d.column0; column <= d.column1; ++column) {
-          const float dx = float(column) - d.x, dy = float(row) - d.y, alpha = cover(d, dx, dy, slope);
-          if (slope == 0.0f) continue;
-          const std::size_t i = std::size_t(row) * pixels + column;
-          const float by_square = -by_clear[i] * clear[i] / (1.0f - alpha) * slope;
-          by_x += by_square * 2.0f * dx, by_y += by_square * 2.0f * dy, by_radius += by_square * 2.0f * d.radius;
-        }
-      const vec3 by_centre = (by_x * view.right + by_y * view.up) / pixel_;
-      for (int c = 0; c < 3; ++c) slopes[4 * k + c] = by_centre[c];
-      slopes[4 * k + 3] = by_radius / pixel_;
+    for (std::size_t i = 0; i < covered.size(); ++i) {
+      const float error = covered[i] - view.mask[i];
+      sum += double(error) * double(error);
+      if (owner[i] < 0) continue;
+      const Disc& d = discs[owner[i]];
+      const float dx = float(i % pixels) - d.x, dy = float(i / pixels) - d.y;
+      cover(d, dx, dy, slope);
+      const float by_square = 2.0f * error * slope;
+      const vec3 by_centre = by_square * 2.0f / pixel_ * (dx * view.right + dy * view.up);
+      double* at = &slopes[4 * std::size_t(owner[i])];
+      for (int c = 0; c < 3; ++c) at[c] += by_centre[c];
+      at[3] += by_square * 2.0f * d.radius / pixel_;
     }
     return sum;
   }
