@@ -126,7 +126,8 @@ class Silhouettes {
       sum += double(error) * double(error);
       if (owner[i] < 0) continue;
       const Disc& d = discs[owner[i]];
-      const float dx = float(i % pixels) - d.x, dy = float(i / pixels) - d.y;
+      const std::size_t row = i / pixels, column = i % pixels;
+      const float dx = float(column) - d.x, dy = float(row) - d.y;
       cover(d, dx, dy, slope);
       const float by_square = 2.0f * error * slope;
       const vec3 by_centre = by_square * 2.0f / pixel_ * (dx * view.right + dy * view.up);
