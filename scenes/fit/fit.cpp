@@ -43,6 +43,14 @@ struct UnitSolid {
     for (Sphere& s : set.spheres) s = {size * s.centre + centre, size * s.radius};
     return set;
   }
+  /// The same for balls that must not lose a point of the solid to rounding on the way.
+  SphereSet restored_covering(SphereSet set) const {
+    const vec3 far = glm::abs(centre) + size;
+    const float rounding = 0x1p-21f * std::max({far.x, far.y, far.z});
+    set = restored(std::move(set));
+    for (Sphere& s : set.spheres) s.radius += rounding;
+    return set;
+  }
   SphereSet reduced(SphereSet set) const {
     for (Sphere& s : set.spheres) s = {(s.centre - centre) / size, s.radius / size};
     return set;
@@ -123,7 +131,7 @@ SphereSet fit_with(const Mesh& mesh, const FitRequest& request, const std::strin
     spdlog::warn("{}: {}", what, repairs.describe());
   switch (request.objective) {
     case Objective::cover:
-      return solid.restored(cover(solid.mesh, request, what, progress));
+      return solid.restored_covering(cover(solid.mesh, request, what, progress));
     case Objective::shadow: {
       FitRequest first = request;
       first.objective = Objective::cover;

@@ -129,6 +129,10 @@ TEST(Fit, MillimetresAndKilometres) {
     const FitQuality q = assess_fit(mesh, fit_spheres(mesh, {12, Objective::cover}));
     return q.outside / q.volume;
   };
+  for (const Mesh& mesh : {scaled(small_knot(), 1e-3f), scaled(small_knot(), 1e3f, {2e6f, -1e6f, 5e5f})}) {
+    const SphereSet set = fit_spheres(mesh, {12, Objective::cover});
+    for (const vec3& p : mesh.positions) ASSERT_TRUE(holds(set, p)) << "rounding far from the origin opens no gap";
+  }
   const double metres = share(small_knot());
   EXPECT_NEAR(share(scaled(small_knot(), 1e-3f)), metres, 0.15 * metres);
   EXPECT_NEAR(share(scaled(small_knot(), 1e3f, {2e3f, -1e3f, 5e2f})), metres, 0.15 * metres);
