@@ -19,7 +19,7 @@ namespace {
 
 /// Raise what changes: cached fits are then never looked at.
 constexpr int version_of(Objective objective) {
-  return objective == Objective::shadow ? 2 : 1;
+  return objective == Objective::shadow ? 3 : 2;
 }
 
 constexpr std::pair<const char*, Objective> names[] = {{"cover", Objective::cover},
