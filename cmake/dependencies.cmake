@@ -11,6 +11,7 @@ find_package(tomlplusplus REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(benchmark REQUIRED)
 find_package(NLopt REQUIRED)
+find_package(Eigen3 REQUIRED)
 
 # Embree 4 (Ubuntu 24.04) or 3 (Debian 12); scenes/ray_scene.cpp is the only file that sees the difference.
 find_package(embree 4 QUIET)

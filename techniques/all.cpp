@@ -3,6 +3,7 @@
 #include "techniques/pixel_basis/pixel_basis.h"
 #include "techniques/ray_traced/ray_traced.h"
 #include "techniques/registry.h"
+#include "techniques/sh_exponentiation/sh_exponentiation.h"
 #include "techniques/wavelet/wavelet.h"
 
 namespace penumbra {
@@ -12,6 +13,7 @@ Registry make_registry() {
   register_ray_traced(registry);
   register_pixel_basis(registry);
   register_wavelet(registry);
+  register_sh_exponentiation(registry);
   register_cuda(registry);
   return registry;
 }

@@ -1,7 +1,9 @@
 // The interface behind which every technique sits: one algorithm on one backend with fixed parameters.
 #pragma once
 
+#include <map>
 #include <string>
+#include <vector>
 
 #include "scenes/scene.h"
 
@@ -24,6 +26,12 @@ struct Footprint {
   std::size_t total() const { return tables + per_scene + per_frame; }
 };
 
+/// An image on the way from the rung `spheres` to a technique's own: one more of its approximations is in it.
+struct Approximation {
+  std::string name;            ///< of what this image adds to the one before
+  std::vector<vec3> radiance;  ///< receivers in row order; empty in the last: the technique's own image
+};
+
 class Technique {
  public:
   virtual ~Technique() = default;
@@ -40,6 +48,14 @@ class Technique {
   virtual void shade(View<vec3> radiance) = 0;
 
   virtual Footprint footprint() const = 0;
+
+  /// Events of the last update() and shade() that a reader of the image should know of, by name: values that were clamped
+  /// or not finite, input that was left out.
+  virtual std::map<std::string, std::size_t> counters() const { return {}; }
+
+  /// For the frame of the last update(): what each approximation adds to the error, if the technique can tell them apart.
+  /// Not timed.
+  virtual std::vector<Approximation> approximations() const { return {}; }
 
   /// Instruction set that the inner loops run on, e.g. "AVX3"; empty for plain code.
   virtual std::string instruction_set() const { return ""; }
