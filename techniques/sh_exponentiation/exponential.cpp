@@ -75,12 +75,6 @@ double LogTable::look_up(int band, double cos_theta) const {
   return low + (at - row) * (high - low);
 }
 
-double LinearFit::look_up(const std::vector<float>& values, double norm) const {
-  const double at = std::min(norm / step, double(values.size() - 1));
-  const auto k = std::min(std::size_t(at), values.size() - 2);
-  return double(values[k]) + (at - double(k)) * (double(values[k + 1]) - double(values[k]));
-}
-
 namespace {
 
 constexpr int fit_samples = 257;
@@ -168,21 +162,14 @@ Exponential parse_exponential(const std::string& name) {
 
 namespace {
 
-/// a(|f|) 1 + b(|f|) f, scaled by e^DC.
-std::vector<double> optimal_linear(const LinearFit& fit, std::span<const double> f, double dc) {
-  const double norm = norm_without_dc(f), scale = std::exp(dc);
-  std::vector<double> g = {scale * fit.look_up(fit.a, norm) * root_4pi};
-  for (std::size_t i = 1; i < f.size(); ++i) g.push_back(scale * fit.look_up(fit.b, norm) * f[i]);
-  return g;
-}
-
 /// exp(f) = exp(f / 2^p)^(2^p).
 std::vector<double> hybrid(double tau, const LinearFit& fit, std::span<const double> f, double dc) {
   int squarings = 0;
   std::vector<double> part(f.begin(), f.end());
   for (double norm = norm_without_dc(f); norm > tau && std::isfinite(norm); norm *= 0.5) ++squarings;
   for (double& value : part) value = std::ldexp(value, -squarings);
-  std::vector<double> g = optimal_linear(fit, part, std::ldexp(dc, -squarings));
+  std::vector<double> g(f.size());
+  optimal_linear<double>(fit, part, std::ldexp(dc, -squarings), g.data());
   for (int k = 0; k < squarings; ++k) g = sh::tensor(sh::order_of(f.size())).product(g, g);
   return g;
 }
@@ -208,8 +195,11 @@ std::vector<double> exponential(const Method& method, const LinearFit& fit, std:
   if (!(method.tau > 0.0)) throw Error("exponential: tau is {}; must be positive", method.tau);
   const double dc = f[0] / root_4pi;
   switch (method.kind) {
-    case Exponential::optimal_linear:
-      return optimal_linear(fit, f, dc);
+    case Exponential::optimal_linear: {
+      std::vector<double> g(f.size());
+      optimal_linear<double>(fit, f, dc, g.data());
+      return g;
+    }
     case Exponential::hybrid:
       return hybrid(method.tau, fit, f, dc);
     case Exponential::power_series:

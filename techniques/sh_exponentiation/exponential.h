@@ -5,6 +5,8 @@
 // spheres multiply, so their logarithms add.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,12 +38,27 @@ class LogTable {
 struct LinearFit {
   double step = 1.0;
   std::vector<float> a, b;
-  double look_up(const std::vector<float>& values, double norm) const;
+  template <class T>
+  T look_up(const std::vector<float>& values, T norm) const {
+    const T at = std::min(norm / T(step), T(values.size() - 1));
+    const auto k = std::min(std::size_t(at), values.size() - 2);
+    return T(values[k]) + (at - T(k)) * (T(values[k + 1]) - T(values[k]));
+  }
 };
 /// Exact on the logarithms of single caps, up to where |f| stops growing with the angle.
 LinearFit fit_to_caps(const LogTable& table);
 /// Least squares over random sets of spheres with the same |f|.
 LinearFit fit_to_sets(const LogTable& table);
+
+/// g = e^dc (a(|f|) 1 + b(|f|) f); the DC of f itself is not looked at.
+template <class T>
+void optimal_linear(const LinearFit& fit, std::span<const T> f, T dc, T* g) {
+  T squared = 0;
+  for (std::size_t i = 1; i < f.size(); ++i) squared += f[i] * f[i];
+  const T norm = std::sqrt(squared), scale = std::exp(dc), b = scale * fit.look_up(fit.b, norm);
+  g[0] = scale * fit.look_up(fit.a, norm) * T(3.5449077018110318);  // sqrt(4 pi)
+  for (std::size_t i = 1; i < f.size(); ++i) g[i] = b * f[i];
+}
 
 enum class Exponential { optimal_linear, hybrid, power_series, exact };
 /// Throws Error listing the names.

@@ -106,6 +106,16 @@ HWY_INLINE void OptimalLinear(const LinearFit& fit, VF dc, VF norm, VF scale, La
   for (int i = 1; i < order * order; ++i) f[i] = hn::Mul(b, f[i].v);
 }
 
+/// Thousands of instructions: not for every caller anew.
+template <int order>
+HWY_NOINLINE void Square(const Lanes* f, Lanes* out) {
+  square<order>(f, out);
+}
+template <int order>
+HWY_NOINLINE void Product(const Lanes* f, const Lanes* g, Lanes* out) {
+  product<order>(f, g, out);
+}
+
 template <int order>
 HWY_NOINLINE void Hybrid(const Job& job, VF dc, Lanes* f) {
   const Floats d;
@@ -123,7 +133,7 @@ HWY_NOINLINE void Hybrid(const Job& job, VF dc, Lanes* f) {
   for (; most > 0.0f; --most) {
     const MF now = hn::Ge(squarings, hn::Set(d, most));
     Lanes squared[order * order];
-    square<order>(f, squared);
+    Square<order>(f, squared);
     for (int i = 0; i < order * order; ++i) f[i] = hn::IfThenElse(now, squared[i].v, f[i].v);
   }
 }
@@ -135,7 +145,7 @@ HWY_INLINE void Series(const Lanes* f, int terms, Lanes* g) {
   Lanes sum[size], next[size];
   for (int i = 0; i < size; ++i) sum[i] = g[i];
   for (int k = terms; k >= 1; --k) {
-    product<order>(f, sum, next);
+    Product<order>(f, sum, next);
     for (int i = 0; i < size; ++i) sum[i] = multiply_add(next[i], Lanes(1.0 / k), g[i]);
   }
   for (int i = 0; i < size; ++i) g[i] = sum[i];
@@ -225,7 +235,7 @@ HWY_INLINE void Reflect(const Job& job, const Group& group, const Lanes* visibil
   constexpr int size = order * order;
   Lanes lobe[size], reflected[size];
   CosineLobe<order>(job, group.normal, lobe);
-  product<order>(visibility, lobe, reflected);
+  Product<order>(visibility, lobe, reflected);
   for (int c = 0; c < 3; ++c) {
     radiance[c] = Dot<order>(job.light[c].data(), reflected) * Lanes(1.0 / pi);
     unshadowed[c] = Dot<order>(job.light[c].data(), lobe) * Lanes(1.0 / pi);

@@ -4,6 +4,8 @@
 #define HWY_TARGET_INCLUDE "techniques/bases/spherical_harmonics/kernel.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 
+#include <algorithm>
+
 #include "techniques/bases/spherical_harmonics/basis.h"
 #include "techniques/bases/spherical_harmonics/lanes-inl.h"
 #include "techniques/bases/spherical_harmonics/straight_line.h"
@@ -12,67 +14,65 @@ HWY_BEFORE_NAMESPACE();
 namespace penumbra::sh {
 namespace HWY_NAMESPACE {
 
-/// Vectors from rows of a batch; the last ones may be part filled.
-template <int size>
-HWY_INLINE void LoadRows(const float* rows, int k, int count, int stride, Lanes* out) {
+template <int order>
+HWY_NOINLINE void EvaluateOrder(const float* const direction[3], int count, float* y) {
   const Floats d;
-  const auto left = std::size_t(count - k);
-  for (int i = 0; i < size; ++i) {
-    const float* at = rows + std::size_t(i) * stride + k;
-    out[i] = left >= hn::Lanes(d) ? hn::LoadU(d, at) : hn::MaskedLoad(hn::FirstN(d, left), d, at);
-  }
-}
-
-template <int size>
-HWY_INLINE void StoreRows(const Lanes* values, int k, int count, int stride, float* rows) {
-  const Floats d;
-  const auto left = std::size_t(count - k);
-  for (int i = 0; i < size; ++i) {
-    float* at = rows + std::size_t(i) * stride + k;
-    if (left >= hn::Lanes(d)) hn::StoreU(values[i].v, d, at);
-    else hn::BlendedStore(values[i].v, hn::FirstN(d, left), d, at);
-  }
+  constexpr int size = coefficients(order);
+  for (int first = 0; first < count; first += block, y += size * block)
+    for (int k = 0; k < block; k += int(hn::Lanes(d))) {
+      Lanes w[3], out[size];
+      for (int c = 0; c < 3; ++c) w[c] = hn::LoadU(d, direction[c] + first + k);
+      evaluate<order>(w[0], w[1], w[2], out);
+      for (int i = 0; i < size; ++i) hn::StoreU(out[i].v, d, y + i * block + k);
+    }
 }
 
 template <int order>
-HWY_NOINLINE void EvaluateOrder(const float* const direction[3], int count, float* y, int stride) {
+HWY_NOINLINE void ProductOrder(const float* f, const float* g, int count, float* out) {
+  const Floats d;
   constexpr int size = coefficients(order);
-  for (int k = 0; k < count; k += int(hn::Lanes(Floats()))) {
-    Lanes w[3], out[size];
-    for (int c = 0; c < 3; ++c) LoadRows<1>(direction[c], k, count, 0, w + c);
-    evaluate<order>(w[0], w[1], w[2], out);
-    StoreRows<size>(out, k, count, stride, y);
-  }
+  for (int first = 0; first < count; first += block, f += size * block, g += size * block, out += size * block)
+    for (int k = 0; k < block; k += int(hn::Lanes(d))) {
+      Lanes a[size], b[size], r[size];
+      for (int i = 0; i < size; ++i) a[i] = hn::LoadU(d, f + i * block + k), b[i] = hn::LoadU(d, g + i * block + k);
+      product<order>(a, b, r);
+      for (int i = 0; i < size; ++i) hn::StoreU(r[i].v, d, out + i * block + k);
+    }
 }
 
-template <int order>
-HWY_NOINLINE void ProductOrder(const float* f, const float* g, int count, float* out, int stride) {
-  constexpr int size = coefficients(order);
-  for (int k = 0; k < count; k += int(hn::Lanes(Floats()))) {
-    Lanes a[size], b[size], r[size];
-    LoadRows<size>(f, k, count, stride, a);
-    LoadRows<size>(g, k, count, stride, b);
-    product<order>(a, b, r);
-    StoreRows<size>(r, k, count, stride, out);
-  }
-}
-
+/// All t_ij = f_i g_j + f_j g_i, a row of vectors at a time; the rest is straight-line code on single numbers.
 template <int order>
 HWY_NOINLINE void OneProduct(const float* f, const float* g, float* out) {
-  constexpr int size = coefficients(order);
-  const hn::CappedTag<float, 1> d;
-  One a[size], b[size], r[size];
-  for (int i = 0; i < size; ++i) a[i] = hn::LoadU(d, f + i), b[i] = hn::LoadU(d, g + i);
-  product<order>(a, b, r);
-  for (int i = 0; i < size; ++i) hn::StoreU(r[i].v, d, out + i);
+  const Floats d;
+  constexpr int size = coefficients(order), lanes = int(hn::MaxLanes(Floats())), blocks = (size + lanes - 1) / lanes;
+  constexpr auto constant = float(0.28209479177387814);  // Y_0
+  const auto rest = hn::FirstN(d, std::size_t(size - (blocks - 1) * lanes));
+  hn::Vec<Floats> a[blocks], b[blocks];
+  auto dot = hn::Zero(d);
+  HWY_ALIGN float t[size * blocks * lanes], linear[blocks * lanes];
+  for (int k = 0; k < blocks; ++k) {
+    a[k] = k + 1 < blocks ? hn::LoadU(d, f + k * lanes) : hn::MaskedLoad(rest, d, f + k * lanes);
+    b[k] = k + 1 < blocks ? hn::LoadU(d, g + k * lanes) : hn::MaskedLoad(rest, d, g + k * lanes);
+    dot = hn::MulAdd(a[k], b[k], dot);
+    hn::Store(hn::MulAdd(hn::Set(d, constant * f[0]), b[k], hn::Mul(hn::Set(d, constant * g[0]), a[k])), d,
+              linear + k * lanes);
+  }
+  for (int i = 1; i < size; ++i) {
+    const auto ai = hn::Set(d, f[i]), bi = hn::Set(d, g[i]);
+    for (int k = i / lanes; k < blocks; ++k)
+      hn::Store(hn::MulAdd(ai, b[k], hn::Mul(bi, a[k])), d, t + (i * blocks + k) * lanes);
+  }
+  contract<order, blocks * lanes>(t, linear);
+  std::copy(linear + 1, linear + size, out + 1);
+  out[0] = constant * hn::GetLane(hn::SumOfLanes(d, dot));
 }
 
-void EvaluateBatch(int order, const float* const direction[3], int count, float* y, int stride) {
-  with_order<1, max_order>(order, [&](auto n) { EvaluateOrder<n>(direction, count, y, stride); });
+void EvaluateBatch(int order, const float* const direction[3], int count, float* y) {
+  with_order<1, max_order>(order, [&](auto n) { EvaluateOrder<n>(direction, count, y); });
 }
 
-void ProductBatch(int order, const float* f, const float* g, int count, float* out, int stride) {
-  with_order<2, 6>(order, [&](auto n) { ProductOrder<n>(f, g, count, out, stride); });
+void ProductBatch(int order, const float* f, const float* g, int count, float* out) {
+  with_order<2, 6>(order, [&](auto n) { ProductOrder<n>(f, g, count, out); });
 }
 
 void Product(int order, const float* f, const float* g, float* out) {
@@ -95,12 +95,12 @@ HWY_EXPORT(ProductBatch);
 HWY_EXPORT(Product);
 HWY_EXPORT(Target);
 
-void evaluate_batch(int order, const float* const direction[3], int count, float* y, int stride) {
-  HWY_DYNAMIC_DISPATCH(EvaluateBatch)(order, direction, count, y, stride);
+void evaluate_batch(int order, const float* const direction[3], int count, float* y) {
+  HWY_DYNAMIC_DISPATCH(EvaluateBatch)(order, direction, count, y);
 }
 
-void product_batch(int order, const float* f, const float* g, int count, float* out, int stride) {
-  HWY_DYNAMIC_DISPATCH(ProductBatch)(order, f, g, count, out, stride);
+void product_batch(int order, const float* f, const float* g, int count, float* out) {
+  HWY_DYNAMIC_DISPATCH(ProductBatch)(order, f, g, count, out);
 }
 
 void product(int order, const float* f, const float* g, float* out) {

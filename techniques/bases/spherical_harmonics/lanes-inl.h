@@ -38,13 +38,23 @@ HWY_INLINE Number<D> multiply_add(Number<D> a, Number<D> b, Number<D> c) {
   return hn::MulAdd(a.v, b.v, c.v);
 }
 
+/// For single numbers: fused where the instruction set can.
+HWY_INLINE float multiply_add(float a, float b, float c) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  return __builtin_fmaf(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+
 #define PENUMBRA_SH_INLINE HWY_INLINE
+#define PENUMBRA_SH_PRODUCT HWY_INLINE
 #include "generated/spherical_harmonics.inc"
 #undef PENUMBRA_SH_INLINE
+#undef PENUMBRA_SH_PRODUCT
 
 using Floats = hn::ScalableTag<float>;
 using Lanes = Number<Floats>;  ///< as many receivers (or directions) as a vector holds
-using One = Number<hn::CappedTag<float, 1>>;
 
 }  // namespace HWY_NAMESPACE
 }  // namespace penumbra::sh

@@ -17,8 +17,10 @@ PENUMBRA_HD inline T multiply_add(T a, T b, T c) {
 }
 
 #define PENUMBRA_SH_INLINE PENUMBRA_HD inline
+#define PENUMBRA_SH_PRODUCT PENUMBRA_HD inline
 #include "generated/spherical_harmonics.inc"
 #undef PENUMBRA_SH_INLINE
+#undef PENUMBRA_SH_PRODUCT
 
 /// Calls f(std::integral_constant<int, order>) for a run-time order in [low, high]; Throws Error for others.
 template <int low, int high, class Call>
