@@ -115,6 +115,9 @@ json to_json(const Row& row) {
                        {"coverage", row.sequence->coverage},
                        {"rel_noise", row.sequence->rel_noise},
                        {"carry_ms", row.sequence->carry_ms}};
+  out["counters"] = row.counters;
+  for (const StepError& step : row.steps)
+    out["steps"].push_back({{"name", step.name}, {"rel_rmse", step.rel_rmse}, {"share", step.share}});
   out["errors"] = json::object();
   for (const auto& [rung, errors] : row.errors) {
     json& at = out["errors"][rung] = errors_json(errors.report.all);
@@ -149,6 +152,9 @@ Row row_from_json(const json& in) {
     const json& at = in.at("sequence");
     row.sequence = {at.at("rel_rmse"), at.at("flicker"), at.at("coverage"), at.at("rel_noise"), at.at("carry_ms")};
   }
+  row.counters = in.at("counters").get<std::map<std::string, std::size_t>>();
+  if (in.contains("steps"))
+    for (const json& at : in.at("steps")) row.steps.push_back({at.at("name"), at.at("rel_rmse"), at.at("share")});
   for (const auto& [rung, at] : in.at("errors").items()) {
     RungErrors& errors = row.errors[rung];
     errors.report.all = errors_from(at);

@@ -24,6 +24,13 @@ struct SequenceErrors {
   double carry_ms = 0.0;         ///< moving the spheres with the mesh, mean over frames
 };
 
+/// What one approximation of a technique adds to its error against rung `spheres` (Technique::approximations).
+struct StepError {
+  std::string name;
+  double rel_rmse = 0.0;  ///< between the images before and after it, over the rung's RMS
+  double share = 0.0;     ///< of the whole error: the step's projection onto it; shares add up to 1
+};
+
 struct Row {
   std::string scene, scene_key;  ///< key: hash of all that the scene's truth depends on, plus its spheres
   std::size_t spheres = 0, receivers = 0;
@@ -36,10 +43,12 @@ struct Row {
   long iterations = 0;
   std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
   Footprint bytes;
-  double parity = -1.0;                      ///< relative RMSE against the scalar twin; -1: is scalar
-  std::map<std::string, RungErrors> errors;  ///< by rung
-  double geometry = -1.0;                    ///< relative RMSE from rung cube to rung spheres; -1: no such rungs
-  std::optional<SequenceErrors> sequence;    ///< where the suite asks for it
+  double parity = -1.0;                         ///< relative RMSE against the scalar twin; -1: is scalar
+  std::map<std::string, RungErrors> errors;     ///< by rung
+  double geometry = -1.0;                       ///< relative RMSE from rung cube to rung spheres; -1: no such rungs
+  std::optional<SequenceErrors> sequence;       ///< where the suite asks for it
+  std::vector<StepError> steps;                 ///< where the suite asks for attribution and the technique knows
+  std::map<std::string, std::size_t> counters;  ///< Technique::counters() after the scored frame
 
   bool ok() const { return status == "ok"; }
   std::string variant() const;  ///< technique, backend, parameters, threads
@@ -62,6 +71,12 @@ std::string make_table(const std::vector<Row>& rows);
 
 /// Markdown: errors over a motion's frames; empty if no row has any.
 std::string make_sequence_table(const std::vector<Row>& rows);
+
+/// Markdown: what each approximation adds; empty if no row knows.
+std::string make_steps_table(const std::vector<Row>& rows);
+
+/// Markdown: rows whose counters are not zero; empty if there is none.
+std::string make_counters_table(const std::vector<Row>& rows);
 
 /// Rows of one scene that no other row beats in both frame time and error (ties in error within the noise count as
 /// equal).

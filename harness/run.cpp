@@ -74,7 +74,8 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
   const auto published =
       suite.published.empty() ? std::optional<PublishedTable>() : PublishedTable::load(suite.published);
   const auto tables = [&](const std::vector<Row>& rows) {
-    return make_table(rows) + make_sequence_table(rows) + (published ? make_published_table(*published, rows) : "");
+    return make_table(rows) + make_sequence_table(rows) + make_steps_table(rows) + make_counters_table(rows) +
+           (published ? make_published_table(*published, rows) : "");
   };
   std::vector<Case> cases = load_cases(suite, options.filter);
   const std::vector<Row> earlier = options.resume ? read_results(options.directory) : std::vector<Row>();
@@ -91,7 +92,7 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
     Progress progress(steps);
     for (Case& item : cases) {
       if (interrupted()) break;
-      SceneRun run(item.scene, registry, suite.truth_noise, image_folder(options, item.scene));
+      SceneRun run(item.scene, registry, suite, image_folder(options, item.scene));
       const std::vector<Row> kept = take_finished(earlier, run, item.variants);
       rows.insert(rows.end(), kept.begin(), kept.end());
       if (item.variants.empty()) continue;

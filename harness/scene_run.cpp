@@ -10,6 +10,7 @@
 #include "harness/interrupt.h"
 #include "harness/pictures.h"
 #include "harness/run.h"
+#include "harness/steps.h"
 #include "scenes/error.h"
 
 namespace penumbra {
@@ -32,14 +33,15 @@ int resolution_of(const Parameters& parameters) {
   return at == parameters.all().end() ? 32 : std::get<int>(at->second);
 }
 
-SceneRun::SceneRun(const Scene& scene, const Registry& registry, double truth_noise, std::string image_directory)
+SceneRun::SceneRun(const Scene& scene, const Registry& registry, const Suite& suite, std::string image_directory)
     : scene_(scene),
       registry_(registry),
+      attribution_(suite.attribution),
       image_directory_(std::move(image_directory)),
       animation_(scene),
       frame_(animation_.frame(animation_.frames() / 3)),
       valid_(valid_receivers(frame_.receivers)) {
-  settings_.truth_noise = truth_noise;
+  settings_.truth_noise = suite.truth_noise;
   key_ = reference_key(frame_, Rung::truth, settings_);
   if (!scene.spheres.empty()) key_ += "-" + reference_key(frame_, Rung::spheres, settings_);
 }
@@ -118,6 +120,7 @@ void SceneRun::shade_and_score(const Variant& variant, Candidate& c) const {
     for (int k = 0; k < 3; ++k)
       if (!std::isfinite(c.image.pixels[i][k]))
         throw std::runtime_error(fmt::format("receiver {} has the radiance {}", i, c.image.pixels[i][k]));
+  c.row.counters = c.technique->counters();
   c.row.instruction_set = c.technique->instruction_set();
   c.row.bytes = c.technique->footprint();
   if (variant.entry->backend != "scalar") {
@@ -127,6 +130,9 @@ void SceneRun::shade_and_score(const Variant& variant, Candidate& c) const {
                                            c.row.parity, variant.entry->parity));
   }
   score(c.image, variant.parameters, c.row);
+  const auto spheres = references_.find({Rung::spheres, resolution_of(variant.parameters)});
+  if (attribution_ && spheres != references_.end())
+    c.row.steps = attribute_error(c.technique->approximations(), spheres->second.mean, c.image, valid_);
   if (!sequence_) return;
   const std::string sheet = image_directory_ + "/" + file_name(variant.label()) + ".sheet.png";
   tbb::task_arena(variant.threads).execute([&] { c.row.sequence = sequence_->score(*c.technique, exposure_, sheet); });
@@ -165,6 +171,22 @@ void SceneRun::write_images(const std::string& name, const Image& image) const {
   if (&image != &truth().mean) save_png(base + ".error.png", signed_error(image, truth().mean, exposure_));
 }
 
+void SceneRun::write_overview(const std::vector<Candidate>& candidates) const {
+  constexpr std::size_t columns = 6;
+  std::vector<Image> images = {exposed(truth().mean, exposure_)}, errors = {exposed(truth().mean, exposure_)};
+  for (const Candidate& c : candidates)
+    if (c.row.ok() && c.image.height > 1) {
+      images.push_back(exposed(c.image, exposure_));
+      errors.push_back(signed_error(c.image, truth().mean, exposure_));
+    }
+  std::vector<std::vector<Image>> rows;
+  for (std::size_t k = 0; k < images.size(); k += columns)
+    for (const std::vector<Image>* from : {&images, &errors})
+      rows.emplace_back(from->begin() + std::ptrdiff_t(k),
+                        from->begin() + std::ptrdiff_t(std::min(images.size(), k + columns)));
+  if (images.size() > 1) save_png(image_directory_ + "/overview.png", contact_sheet(rows));
+}
+
 std::vector<Row> SceneRun::measure(const std::vector<Variant>& variants, int repetitions, Progress& progress) {
   std::vector<Candidate> candidates;
   for (const Variant& variant : variants) {
@@ -175,6 +197,8 @@ std::vector<Row> SceneRun::measure(const std::vector<Variant>& variants, int rep
     if (c.row.status.starts_with("failed")) progress.note(c.row.name() + ": " + c.row.status);
     if (c.row.ok()) write_images(variant.label(), c.image);
   }
+
+  write_overview(candidates);
 
   std::vector<TimedItem> items;
   for (Candidate& c : candidates)

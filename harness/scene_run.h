@@ -10,7 +10,7 @@ namespace penumbra {
 class SceneRun {
  public:
   /// The scene and registry must outlive this.
-  SceneRun(const Scene& scene, const Registry& registry, double truth_noise, std::string image_directory);
+  SceneRun(const Scene& scene, const Registry& registry, const Suite& suite, std::string image_directory);
 
   const std::string& key() const { return key_; }
   Row empty_row(const Variant& variant) const;
@@ -33,11 +33,13 @@ class SceneRun {
   void shade_and_score(const Variant& variant, Candidate& candidate) const;
   void score(const Image& image, const Parameters& parameters, Row& row) const;
   void write_images(const std::string& name, const Image& image) const;
+  void write_overview(const std::vector<Candidate>& candidates) const;
   const Reference& truth() const { return references_.at({Rung::truth, 0}); }
 
   const Scene& scene_;
   const Registry& registry_;
   ReferenceSettings settings_;
+  bool attribution_;
   std::string image_directory_, key_;
   Animation animation_;
   Frame frame_;  ///< the scored frame: a third through the motion

@@ -125,6 +125,7 @@ Suite load_suite(const std::string& name_or_path, const Registry& registry, int 
   suite.repetitions = file.integer("repetitions", 1, 1000).value_or(9);
   suite.truth_noise = file.number("truth_noise", 1e-5, 1.0).value_or(0.002);
   suite.sequence = file.boolean("sequence").value_or(false);
+  suite.attribution = file.boolean("attribution").value_or(false);
   suite.published = file.text("published").value_or("");
   std::vector<int> counts = integers_of(file, "threads", 1, 1024);
   if (threads > 0) counts = {threads};

@@ -21,8 +21,9 @@ struct Suite {
   std::vector<Variant> variants;
   int repetitions = 9;
   double truth_noise = 0.002;
-  bool sequence = false;  ///< score every frame of a motion, not one
-  std::string published;  ///< table of results/published to print beside, or empty
+  bool sequence = false;     ///< score every frame of a motion, not one
+  bool attribution = false;  ///< ask techniques what each of their approximations costs
+  std::string published;     ///< table of results/published to print beside, or empty
 };
 
 /// Loads a shipped suite by name or a file by path, and expands every axis. `threads` replaces "all" (0: all cores).

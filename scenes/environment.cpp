@@ -215,32 +215,48 @@ CubeMap<vec3> project(const Environment& environment, int n) {
   return cube;
 }
 
+namespace {
+
+/// A blue gradient over brown ground, and a sun of half a degree radius.
+vec3 sun_sky(vec3 d) {
+  static const vec3 sun = glm::normalize(vec3(0.6f, 0.7f, 0.4f));
+  const vec3 radiance =
+      d.y >= 0 ? glm::mix(vec3(0.9f, 0.95f, 1.0f), vec3(0.15f, 0.35f, 0.9f), std::sqrt(d.y)) : vec3(0.12f, 0.1f, 0.08f);
+  return glm::dot(d, sun) > std::cos(0.0087f) ? radiance + vec3(9000.0f, 8200.0f, 6800.0f) : radiance;
+}
+
+/// Eight coloured lamps of 2.3 degrees radius at different heights on a dim ambient.
+vec3 lamps(vec3 d) {
+  vec3 radiance(0.05f);
+  for (int k = 0; k < 8; ++k) {
+    const float lon = 0.4f + 0.785398f * float(k), lat = 0.35f + 0.12f * float(k * 3 % 8);
+    const vec3 lamp(std::sin(lon) * std::cos(lat), std::sin(lat), std::cos(lon) * std::cos(lat));
+    const vec3 colour(1.0f, 0.55f + 0.06f * float(k), 0.25f + 0.1f * float(7 - k));
+    if (glm::dot(d, lamp) > std::cos(0.04f)) radiance += 60.0f * colour;
+  }
+  return radiance;
+}
+
+/// One broad lobe, cos^4, from 45 degrees above on a dim ambient: smooth, but with a side.
+vec3 softbox(vec3 d) {
+  static const vec3 towards = glm::normalize(vec3(1.0f, 1.4f, 1.0f));
+  const float cosine = std::max(0.0f, glm::dot(d, towards));
+  return vec3(0.2f) + vec3(3.0f, 2.8f, 2.5f) * (cosine * cosine * cosine * cosine);
+}
+
+}  // namespace
+
 bool make_environment(const std::string& name, Environment& environment) {
   if (name == "constant") {  // a cube, whose texels fall exactly on those of coarser cubes
     environment = {Mapping::cube, 64, 384, std::vector<vec3>(6 * 64 * 64, vec3(1.0f)), 0.0};
     return true;
   }
-  if (name != "sun-sky" && name != "lamps") return false;
+  const auto radiance = name == "sun-sky" ? sun_sky : name == "lamps" ? lamps : name == "softbox" ? softbox : nullptr;
+  if (!radiance) return false;
   environment = {Mapping::lat_long, 1024, 512, {}, 0.0};
-  const vec3 sun = glm::normalize(vec3(0.6f, 0.7f, 0.4f));
   for (int y = 0; y < 512; ++y)
-    for (int x = 0; x < 1024; ++x) {
-      const vec3 d(environment.lat_long().direction(x + 0.5, y + 0.5));
-      vec3 radiance(0.05f);
-      if (name == "sun-sky") {  // a blue gradient over brown ground, and a sun of half a degree radius
-        radiance = d.y >= 0 ? glm::mix(vec3(0.9f, 0.95f, 1.0f), vec3(0.15f, 0.35f, 0.9f), std::sqrt(d.y))
-                            : vec3(0.12f, 0.1f, 0.08f);
-        if (glm::dot(d, sun) > std::cos(0.0087f)) radiance += vec3(9000.0f, 8200.0f, 6800.0f);
-      } else {  // eight coloured lamps of 2.3 degrees radius at different heights
-        for (int k = 0; k < 8; ++k) {
-          const float lon = 0.4f + 0.785398f * float(k), lat = 0.35f + 0.12f * float(k * 3 % 8);
-          const vec3 lamp(std::sin(lon) * std::cos(lat), std::sin(lat), std::cos(lon) * std::cos(lat));
-          const vec3 colour(1.0f, 0.55f + 0.06f * float(k), 0.25f + 0.1f * float(7 - k));
-          if (glm::dot(d, lamp) > std::cos(0.04f)) radiance += 60.0f * colour;
-        }
-      }
-      environment.radiance.push_back(radiance);
-    }
+    for (int x = 0; x < 1024; ++x)
+      environment.radiance.push_back(radiance(vec3(environment.lat_long().direction(x + 0.5, y + 0.5))));
   return true;
 }
 

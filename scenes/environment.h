@@ -65,9 +65,10 @@ Environment load_environment(const std::string& path, Layout layout = Layout::au
 /// Same from an image in memory; `what` names it in errors.
 Environment environment_from_image(Image image, Layout layout, const std::string& what);
 
-/// "constant" (radiance 1), "sun-sky", "lamps" (eight small lamps on a dim ambient); false if unknown.
+/// "constant" (radiance 1), "sun-sky", "lamps" (eight small lamps on a dim ambient), "softbox" (one
+/// broad lobe on a dim ambient); false if unknown.
 bool make_environment(const std::string& name, Environment& environment);
-inline constexpr const char* environment_names = "constant, sun-sky, lamps";
+inline constexpr const char* environment_names = "constant, sun-sky, lamps, softbox";
 
 /// Area-preserving projection onto 6 x n x n: every source texel's energy arrives exactly once (shares by
 /// subdivision where it straddles target texels), rotation applied. Deterministic for any number of threads.

@@ -4,6 +4,7 @@
 #include "techniques/ray_traced/ray_traced.h"
 #include "techniques/registry.h"
 #include "techniques/sh_exponentiation/sh_exponentiation.h"
+#include "techniques/sh_lighting/sh_lighting.h"
 #include "techniques/wavelet/wavelet.h"
 
 namespace penumbra {
@@ -13,6 +14,7 @@ Registry make_registry() {
   register_ray_traced(registry);
   register_pixel_basis(registry);
   register_wavelet(registry);
+  register_sh_lighting(registry);
   register_sh_exponentiation(registry);
   register_cuda(registry);
   return registry;
