@@ -19,9 +19,11 @@ std::vector<ParameterValue> values_to_test(const Parameter& p) {
   return {p.fallback};
 }
 
-/// The default set, and for every parameter each of its other values.
+/// The default set, and for every parameter each of its other values. More rays than 100 only take longer.
 std::vector<Parameters> parameter_sets(const Entry& entry) {
   std::vector<Parameters> sets = {Parameters().resolve(entry.parameters, entry.title())};
+  for (const Parameter& p : entry.parameters)
+    if (p.unit == "rays") sets[0].set(p.name, std::min(100, sets[0].integer(p.name)));
   for (const Parameter& p : entry.parameters)
     for (const ParameterValue& value : values_to_test(p)) {
       if (value == p.fallback) continue;
