@@ -28,10 +28,10 @@ void occluded1(RTCScene scene, RTCRay* ray) {
   rtcInitOccludedArguments(&arguments);
   rtcOccluded1(scene, ray, &arguments);
 }
-void occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
+void occluded16(const int* valid, RTCScene scene, bool alike, RTCRay16* rays) {
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  arguments.flags = alike ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, rays, &arguments);
 }
 #else
@@ -45,10 +45,10 @@ void occluded1(RTCScene scene, RTCRay* ray) {
   rtcInitIntersectContext(&context);
   rtcOccluded1(scene, &context, ray);
 }
-void occluded16(const int* valid, RTCScene scene, RTCRay16* rays) {
+void occluded16(const int* valid, RTCScene scene, bool alike, RTCRay16* rays) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  context.flags = alike ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &context, rays);
 }
 #endif
@@ -221,7 +221,7 @@ unsigned RayScene::meets_box(const RayPacket& packet, int count) const {
   return bits & ((1u << count) - 1u);
 }
 
-unsigned RayScene::occluded(const RayPacket& packet, int count) const {
+unsigned RayScene::occluded(const RayPacket& packet, int count, bool alike) const {
   alignas(64) int valid[RayPacket::size];
   alignas(64) RTCRay16 rays;
   float* origin[3] = {rays.org_x, rays.org_y, rays.org_z};
@@ -237,7 +237,7 @@ unsigned RayScene::occluded(const RayPacket& packet, int count) const {
   std::fill_n(rays.id, RayPacket::size, 0u);
   std::fill_n(rays.flags, RayPacket::size, 0u);
   for (int i = 0; i < RayPacket::size; ++i) valid[i] = i < count ? -1 : 0;
-  occluded16(valid, impl_->scene, &rays);
+  occluded16(valid, impl_->scene, alike, &rays);
   unsigned bits = 0;
   for (int i = 0; i < count; ++i) bits |= (rays.tfar[i] < 0.0f ? 1u : 0u) << i;
   return bits;

@@ -56,7 +56,8 @@ class RayScene {
   /// Is anything between origin and origin + far * direction?
   bool occluded(vec3 origin, vec3 direction, float far) const;
   /// The same for the first `count` rays of a packet; bit i of the result belongs to ray i.
-  unsigned occluded(const RayPacket& packet, int count) const;
+  /// `alike`: they start nearby and point nearly the same way, and are worth a walk together.
+  unsigned occluded(const RayPacket& packet, int count, bool alike = false) const;
   /// Rays that meet the mesh's box; the others are not occluded. Most shadow rays of a plane miss it, and a look at
   /// sixteen at once costs less than a visit to the tree's root.
   unsigned meets_box(const RayPacket& packet, int count) const;

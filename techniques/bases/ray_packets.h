@@ -15,7 +15,7 @@ namespace penumbra {
 template <class Tag, class Done>
 class RayQueue {
  public:
-  RayQueue(const RayScene& rays, Done done) : rays_(rays), done_(std::move(done)) {}
+  RayQueue(const RayScene& rays, Done done, bool alike) : rays_(rays), done_(std::move(done)), alike_(alike) {}
 
   void push(Tag tag, vec3 origin, vec3 direction, float far) {
     arriving_.set(arrived_, origin, direction, far);
@@ -44,7 +44,7 @@ class RayQueue {
   }
 
   void trace() {
-    const unsigned hits = waited_ ? rays_.occluded(waiting_, waited_) : 0u;
+    const unsigned hits = waited_ ? rays_.occluded(waiting_, waited_, alike_) : 0u;
     for (int i = 0; i < waited_; ++i) done_(waiting_tags_[i], (hits >> i & 1u) != 0);
     waited_ = 0;
   }
@@ -54,12 +54,13 @@ class RayQueue {
   RayPacket arriving_ = {}, waiting_ = {};  // zeroed: unused lanes are computed too
   Tag arriving_tags_[RayPacket::size], waiting_tags_[RayPacket::size];
   int arrived_ = 0, waited_ = 0;
+  bool alike_;
 };
 
-/// Deduces the type of the callback.
+/// Deduces the type of the callback. `alike`: rays that come one after the other are (RayScene::occluded).
 template <class Tag, class Done>
-RayQueue<Tag, Done> make_ray_queue(const RayScene& rays, Done done) {
-  return {rays, std::move(done)};
+RayQueue<Tag, Done> make_ray_queue(const RayScene& rays, Done done, bool alike = false) {
+  return {rays, std::move(done), alike};
 }
 
 /// Reflected radiance at albedo 1 of up to 16 receivers with equally many samples in the same order of strata. Ray j of

@@ -21,12 +21,22 @@ double norm_without_dc(std::span<const double> f) {
   return std::sqrt(squared);
 }
 
+Eigen::Map<const Eigen::MatrixXd> square_matrix(const std::vector<double>& entries) {
+  const auto size = Eigen::Index(std::lround(std::sqrt(double(entries.size()))));
+  return {entries.data(), size, size};
+}
+
+double largest_eigenvalue(const std::vector<double>& entries) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(square_matrix(entries), Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
 /// exp(M_f) 1 by eigenvectors of M_f.
 std::vector<double> exact(std::span<const double> f) {
   const auto size = Eigen::Index(f.size());
   const std::vector<double> entries = sh::tensor(sh::order_of(f.size())).matrix(f);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      Eigen::Map<const Eigen::MatrixXd>(entries.data(), size, size));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(square_matrix(entries));
   Eigen::VectorXd one = Eigen::VectorXd::Zero(size);
   one[0] = root_4pi;
   const Eigen::VectorXd result =
@@ -50,7 +60,7 @@ std::vector<double> cap_logarithm(int order, double theta) {
     rest[j] = g[j] - (j == 0 ? root_4pi : 0.0);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
-  const double least = 0.02 * eigen.eigenvalues().maxCoeff();
+  const double least = 0.02 * largest_eigenvalue(entries);
   const Eigen::VectorXd q = eigen.eigenvalues().unaryExpr([&](double value) {
     const double d = std::max(value, least);
     return std::abs(d - 1.0) < 1e-9 ? 1.0 : std::log(d) / (d - 1.0);

@@ -14,7 +14,7 @@
 namespace penumbra::sh_exponentiation {
 
 /// Zonal logarithm of the visibility behind a cap of angular radius theta, radians: one coefficient per band.
-/// Eigenvalues below 0.02 of the largest are raised to it.
+/// Eigenvalues below 0.02 of the largest of M_g are raised to it.
 std::vector<double> cap_logarithm(int order, double theta);
 
 /// The logarithms of all caps from 0 to 90 degrees, evenly in cos theta, in which they are smooth and start linearly.

@@ -104,12 +104,13 @@ void SphereTree::weigh(const LogTable& table, int node, vec3 centre, WeightedSph
   while (!open.empty()) {
     const Node& at = nodes_[open.back()];
     open.pop_back();
-    if (at.children == 0 || (&at != &nodes_[node] && !looks_large(at.bound, {centre, 0.0f}, fine)))
+    if (at.children == 0 || !looks_large(at.bound, {centre, 0.0f}, fine))
       add_logarithm<order>(table, at.bound, centre, sum);
     else
       for (int k = 0; k < at.children; ++k) open.push_back(at.first_child + k);
   }
   out.sphere = nodes_[node].bound;
+  out.bound = true;
   for (int l = 0; l < order; ++l) {
     float cross = 0.0f, square = 0.0f;
     for (int i = sh::index(l, -l); i <= sh::index(l, l); ++i)

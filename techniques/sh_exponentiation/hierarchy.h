@@ -14,6 +14,7 @@ namespace penumbra::sh_exponentiation {
 struct WeightedSphere {
   Sphere sphere;
   float weight[6] = {1, 1, 1, 1, 1, 1};
+  bool bound = false;  ///< of several: the self-shadow rule does not replace it
 };
 
 /// The set without spheres that lie inside another one: they block nothing, but would multiply the visibility once

@@ -299,7 +299,7 @@ HWY_NOINLINE void ShadeGroup(const Job& job, std::span<const int> which, std::sp
   for (Lanes& value : f) value = hn::Zero(d);
   for (const WeightedSphere& sphere : spheres) {
     VF axis[3], cosine;
-    const VF share = ShadowOf(sphere.sphere, group, job.replace, axis, &cosine);
+    const VF share = ShadowOf(sphere.sphere, group, job.replace && !sphere.bound, axis, &cosine);
     if (hn::AllFalse(d, hn::Gt(share, hn::Zero(d)))) continue;
     AddLogarithm<order>(*job.table, sphere, share, axis, cosine, f);
   }

@@ -105,7 +105,8 @@ class ShExponentiation : public Technique {
     const Receivers& r = *job_.receivers;
     std::vector<double> f(std::size_t(sh::coefficients(order_)), 0.0);
     for (const WeightedSphere& s : spheres) {
-      const Shadow shadow = shadow_of(s.sphere, r.position[i], r.normal[i], r.on_occluder[i] != 0, job_.replace);
+      const Shadow shadow =
+          shadow_of(s.sphere, r.position[i], r.normal[i], r.on_occluder[i] != 0, job_.replace && !s.bound);
       if (shadow.share == 0.0f) continue;
       const std::vector<double> y = sh::evaluate(order_, shadow.axis);
       for (std::size_t k = 0; k < f.size(); ++k) {
@@ -244,7 +245,7 @@ void register_sh_exponentiation(Registry& registry) {
         integer_parameter("terms", 9, 0, 64, "powers", "power-series: the highest power"),
         choice_parameter("fit", {"caps", "sets"}, "optimal linear: exact on single caps, or least squares over sets"),
         choice_parameter("self_shadow", {"replace", "keep"}, "spheres that poke through the tangent plane"),
-        choice_parameter("hierarchy", {"off", "on"}, "bounding spheres in place of spheres that look small"),
+        choice_parameter("hierarchy", {"on", "off"}, "bounding spheres in place of spheres that look small"),
         choice_parameter("normals", {"exact", "table"}, "light x cosine per receiver, or from a cube map of normals"),
         choice_parameter("window", {"none", "hann", "lanczos", "laplacian"}, "damps the ringing of the light")};
     if (simd) entry.make = [](const Parameters& p) { return std::make_unique<ShExponentiationSimd>(p); };

@@ -83,7 +83,7 @@ class Gatherer {
         if (above(j)) done(j, rays_.occluded(from, set_.directions[j], far));
       return;
     }
-    auto queue = make_ray_queue<int>(rays_, done);
+    auto queue = make_ray_queue<int>(rays_, done, true);
     for (int j = 0; j < int(set_.directions.size()); ++j)
       if (above(j)) queue.push(j, from, set_.directions[j], far);
     queue.flush();

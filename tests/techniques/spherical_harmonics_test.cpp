@@ -366,7 +366,7 @@ TEST(SphericalHarmonics, ConstantLightHasNothingButDc) {
     if (mapping == Mapping::lat_long) e = {mapping, 64, 32, std::vector<vec3>(64 * 32, vec3(1.0f)), 0.4};
     const auto c = projection.update(e).channel[1];
     EXPECT_NEAR(c[0], std::sqrt(4 * pi), 1e-12);
-    for (std::size_t i = 1; i < c.size(); ++i) EXPECT_NEAR(c[i], 0.0, 1e-12);
+    for (std::size_t i = 1; i < c.size(); ++i) EXPECT_NEAR(c[i], 0.0, 1e-8);  // directions of cube texels are floats
   }
 }
 
