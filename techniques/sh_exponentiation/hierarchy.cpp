@@ -146,6 +146,7 @@ std::vector<Cluster> make_clusters(const Receivers& receivers, float edge) {
   std::map<std::tuple<int, int, int>, std::size_t> found;
   std::vector<Cluster> clusters;
   for (int i = 0; i < receivers.size(); ++i) {
+    if (!receivers.valid(i)) continue;
     const vec3 cell = glm::floor(glm::clamp(receivers.position[i] / edge, -1e9f, 1e9f));
     const auto [at, fresh] = found.try_emplace({int(cell.x), int(cell.y), int(cell.z)}, clusters.size());
     if (fresh) clusters.push_back({{(cell + 0.5f) * edge, 0.5f * std::sqrt(3.0f) * edge}, {}});

@@ -48,7 +48,7 @@ class SphereTree {
   std::vector<Node> nodes_;
 };
 
-/// Receivers that lie in the same cell of a grid.
+/// Valid receivers that lie in the same cell of a grid.
 struct Cluster {
   Sphere bound;
   std::vector<int> receivers;

@@ -8,6 +8,7 @@
 
 #include "scenes/cube_map.h"
 #include "techniques/bases/spherical_harmonics/basis.h"
+#include "techniques/bases/spherical_harmonics/kernel.h"
 #include "techniques/bases/spherical_harmonics/lanes-inl.h"
 #include "techniques/bases/spherical_harmonics/straight_line.h"
 
@@ -94,6 +95,20 @@ HWY_INLINE VF Norm(const Lanes* f) {
 
 constexpr float root_4pi = 3.5449077018110318f;
 
+/// Sixteen receivers, [coefficient][receiver]: what the batched products take. Their code is compiled once, there.
+template <int order>
+struct Block {
+  static constexpr int size = order * order;
+  HWY_ALIGN float values[size * sh::block];
+
+  HWY_INLINE void Load(int k, Lanes* f) const {
+    for (int i = 0; i < size; ++i) f[i] = hn::Load(Floats(), values + i * sh::block + k);
+  }
+  HWY_INLINE void Store(int k, const Lanes* f) {
+    for (int i = 0; i < size; ++i) hn::Store(f[i].v, Floats(), values + i * sh::block + k);
+  }
+};
+
 /// f -> e^dc (a 1 + b f), f scaled by `scale` first.
 template <int order>
 HWY_INLINE void OptimalLinear(const LinearFit& fit, VF dc, VF norm, VF scale, Lanes* f) {
@@ -106,109 +121,117 @@ HWY_INLINE void OptimalLinear(const LinearFit& fit, VF dc, VF norm, VF scale, La
   for (int i = 1; i < order * order; ++i) f[i] = hn::Mul(b, f[i].v);
 }
 
-/// Thousands of instructions: not for every caller anew.
-template <int order>
-HWY_NOINLINE void Square(const Lanes* f, Lanes* out) {
-  square<order>(f, out);
-}
-template <int order>
-HWY_NOINLINE void Product(const Lanes* f, const Lanes* g, Lanes* out) {
-  product<order>(f, g, out);
-}
-
-template <int order>
-HWY_NOINLINE void Hybrid(const Job& job, VF dc, Lanes* f) {
+/// How often |f| must be halved until it is no more than tau; halves norm and scale as often.
+HWY_INLINE VF Halve(float tau, VF& norm, VF& scale) {
   const Floats d;
-  const VF tau = hn::Set(d, float(job.method.tau)), half = hn::Set(d, 0.5f), huge = hn::Set(d, 1e30f);
-  VF norm = Norm<order>(f), scale = hn::Set(d, 1.0f), squarings = hn::Zero(d);
-  float most = 0.0f;
-  for (;; ++most) {
-    const MF above = hn::And(hn::Gt(norm, tau), hn::Lt(norm, huge));
-    if (hn::AllFalse(d, above)) break;
+  const VF limit = hn::Set(d, tau), half = hn::Set(d, 0.5f), huge = hn::Set(d, 1e30f);
+  VF count = hn::Zero(d);
+  for (;;) {
+    const MF above = hn::And(hn::Gt(norm, limit), hn::Lt(norm, huge));
+    if (hn::AllFalse(d, above)) return count;
     norm = hn::IfThenElse(above, hn::Mul(norm, half), norm);
     scale = hn::IfThenElse(above, hn::Mul(scale, half), scale);
-    squarings = hn::IfThenElse(above, hn::Add(squarings, hn::Set(d, 1.0f)), squarings);
+    count = hn::IfThenElse(above, hn::Add(count, hn::Set(d, 1.0f)), count);
   }
-  OptimalLinear<order>(*job.fit, hn::Mul(dc, scale), norm, scale, f);
-  for (; most > 0.0f; --most) {
-    const MF now = hn::Ge(squarings, hn::Set(d, most));
-    Lanes squared[order * order];
-    Square<order>(f, squared);
-    for (int i = 0; i < order * order; ++i) f[i] = hn::IfThenElse(now, squared[i].v, f[i].v);
+}
+
+/// Takes new values where `step` is still within a receiver's number of steps.
+template <int order>
+HWY_INLINE void TakeWithin(float step, const float* steps, const Block<order>& fresh, Block<order>& out) {
+  const Floats d;
+  for (int k = 0; k < sh::block; k += int(hn::Lanes(d))) {
+    const MF now = hn::Lt(hn::Set(d, step), hn::Load(d, steps + k));
+    for (int i = k; i < Block<order>::size * sh::block; i += sh::block)
+      hn::Store(hn::IfThenElse(now, hn::Load(d, fresh.values + i), hn::Load(d, out.values + i)), d, out.values + i);
+  }
+}
+
+/// optimal-linear, or halved before and squared after as often as tau asks (`halve`).
+template <int order>
+HWY_INLINE void Linear(const Job& job, bool halve, const float* dc, Block<order>& f) {
+  const Floats d;
+  HWY_ALIGN float halvings[sh::block] = {};
+  for (int k = 0; k < sh::block; k += int(hn::Lanes(d))) {
+    Lanes part[order * order];
+    f.Load(k, part);
+    VF norm = Norm<order>(part), scale = hn::Set(d, 1.0f);
+    if (halve) hn::Store(Halve(float(job.method.tau), norm, scale), d, halvings + k);
+    OptimalLinear<order>(*job.fit, hn::Mul(hn::Load(d, dc + k), scale), norm, scale, part);
+    f.Store(k, part);
+  }
+  // A receiver with few halvings waits for its turn: all end together.
+  const float most = *std::max_element(halvings, halvings + sh::block);
+  Block<order> squared;
+  for (float left = most - 1.0f; left >= 0.0f; --left) {
+    sh::square_batch(order, f.values, sh::block, squared.values);
+    TakeWithin<order>(left, halvings, squared, f);
   }
 }
 
 /// g <- 1 + f (1 + f / 2 (1 + ... f / terms)) applied to g: a Taylor series of exp(M_f), from the left.
 template <int order>
-HWY_INLINE void Series(const Lanes* f, int terms, Lanes* g) {
-  constexpr int size = order * order;
-  Lanes sum[size], next[size];
-  for (int i = 0; i < size; ++i) sum[i] = g[i];
-  for (int k = terms; k >= 1; --k) {
-    Product<order>(f, sum, next);
-    for (int i = 0; i < size; ++i) sum[i] = multiply_add(next[i], Lanes(1.0 / k), g[i]);
+HWY_INLINE void Series(const Block<order>& f, int terms, Block<order>& g) {
+  const Floats d;
+  Block<order> sum = g, next;
+  for (int term = terms; term >= 1; --term) {
+    sh::product_batch(order, f.values, sum.values, sh::block, next.values);
+    const VF factor = hn::Set(d, 1.0f / float(term));
+    for (int i = 0; i < Block<order>::size * sh::block; i += int(hn::Lanes(d)))
+      hn::Store(hn::MulAdd(hn::Load(d, next.values + i), factor, hn::Load(d, g.values + i)), d, sum.values + i);
   }
-  for (int i = 0; i < size; ++i) g[i] = sum[i];
+  g = sum;
 }
 
 template <int order>
-HWY_NOINLINE void PowerSeries(const Job& job, VF dc, Lanes* f) {
+HWY_INLINE void Scale(const float* factors, Block<order>& f) {
   const Floats d;
-  Lanes g[order * order];
-  for (Lanes& value : g) value = hn::Zero(d);
-  g[0] = hn::Set(d, root_4pi);
-  Series<order>(f, job.method.terms, g);
-  const VF e = hn::Exp(d, dc);
-  for (int i = 0; i < order * order; ++i) f[i] = hn::Mul(e, g[i].v);
+  for (int i = 0; i < Block<order>::size * sh::block; i += int(hn::Lanes(d)))
+    hn::Store(hn::Mul(hn::Load(d, factors + i % sh::block), hn::Load(d, f.values + i)), d, f.values + i);
 }
 
-/// exp(M) 1 = exp(M / s) ... exp(M / s) 1 with |M / s| <= 1, where ten terms of the series are exact to rounding.
+/// exp(M) 1 = exp(M / s) ... exp(M / s) 1: with |M / s| <= 1 (`exact`) ten terms are exact to rounding; else s = 1.
 template <int order>
-HWY_NOINLINE void Exact(VF dc, Lanes* f) {
+HWY_INLINE void ByPowers(bool exact, int terms, const float* dc, Block<order>& f) {
   const Floats d;
-  constexpr int size = order * order;
-  VF bound = hn::Zero(d);  // of |f(w)| for every w, and so of |M_f|
-  for (int l = 1; l < order; ++l) {
-    VF band = hn::Zero(d);
-    for (int i = sh::index(l, -l); i <= sh::index(l, l); ++i) band = hn::MulAdd(f[i].v, f[i].v, band);
-    bound = hn::MulAdd(hn::Sqrt(band), hn::Set(d, float(std::sqrt((2 * l + 1) / (4 * pi)))), bound);
+  HWY_ALIGN float steps[sh::block], share[sh::block], e[sh::block];
+  for (int k = 0; k < sh::block; k += int(hn::Lanes(d))) {
+    Lanes part[order * order];
+    f.Load(k, part);
+    VF bound = hn::Zero(d);  // of |f(w)| for every w, and so of |M_f|
+    for (int l = 1; l < order; ++l) {
+      VF band = hn::Zero(d);
+      for (int i = sh::index(l, -l); i <= sh::index(l, l); ++i) band = hn::MulAdd(part[i].v, part[i].v, band);
+      bound = hn::MulAdd(hn::Sqrt(band), hn::Set(d, float(std::sqrt((2 * l + 1) / (4 * pi)))), bound);
+    }
+    const VF one = hn::Set(d, 1.0f), finite = hn::IfThenElseZero(hn::Lt(bound, hn::Set(d, 1e4f)), bound);
+    const VF count = exact ? hn::Max(one, hn::Ceil(finite)) : one;
+    hn::Store(count, d, steps + k);
+    hn::Store(hn::Div(one, count), d, share + k);
+    hn::Store(hn::Exp(d, hn::Div(hn::Load(d, dc + k), count)), d, e + k);
   }
-  const VF finite = hn::IfThenElseZero(hn::Lt(bound, hn::Set(d, 1e4f)), bound);
-  const VF steps = hn::Max(hn::Set(d, 1.0f), hn::Ceil(finite)), share = hn::Div(hn::Set(d, 1.0f), steps);
-  const VF e = hn::Exp(d, hn::Mul(dc, share));
-  Lanes g[size];
-  for (int i = 0; i < size; ++i) {
-    f[i] = hn::Mul(f[i].v, share);
-    g[i] = hn::Zero(d);
-  }
-  g[0] = hn::Set(d, root_4pi);
-  const float most = hn::GetLane(hn::MaxOfLanes(d, steps));
+  Scale<order>(share, f);
+  Block<order> g = {};
+  std::fill_n(g.values, sh::block, root_4pi);
+  const float most = *std::max_element(steps, steps + sh::block);
   for (float step = 0.0f; step < most; ++step) {
-    Lanes next[size];
-    for (int i = 0; i < size; ++i) next[i] = g[i];
-    Series<order>(f, 10, next);
-    const MF now = hn::Lt(hn::Set(d, step), steps);
-    for (int i = 0; i < size; ++i) g[i] = hn::IfThenElse(now, hn::Mul(e, next[i].v), g[i].v);
+    Block<order> next = g;
+    Series<order>(f, exact ? 10 : terms, next);
+    Scale<order>(e, next);
+    TakeWithin<order>(step, steps, next, g);
   }
-  for (int i = 0; i < size; ++i) f[i] = g[i];
+  f = g;
 }
 
 /// exp*(f), in place.
 template <int order>
-HWY_INLINE void Exponentiate(const Job& job, Lanes* f) {
-  const Floats d;
-  const VF dc = hn::Mul(f[0].v, hn::Set(d, 1.0f / root_4pi));
-  f[0] = hn::Zero(d);
-  switch (job.method.kind) {
-    case Exponential::optimal_linear:
-      return OptimalLinear<order>(*job.fit, dc, Norm<order>(f), hn::Set(d, 1.0f), f);
-    case Exponential::hybrid:
-      return Hybrid<order>(job, dc, f);
-    case Exponential::power_series:
-      return PowerSeries<order>(job, dc, f);
-    case Exponential::exact:
-      return Exact<order>(dc, f);
-  }
+HWY_INLINE void Exponentiate(const Job& job, Block<order>& f) {
+  HWY_ALIGN float dc[sh::block];
+  for (int k = 0; k < sh::block; ++k) dc[k] = f.values[k] * (1.0f / root_4pi);
+  std::fill_n(f.values, sh::block, 0.0f);
+  const Exponential kind = job.method.kind;
+  if (kind == Exponential::optimal_linear || kind == Exponential::hybrid)
+    Linear<order>(job, kind == Exponential::hybrid, dc, f);
+  else ByPowers<order>(kind == Exponential::exact, job.method.terms, dc, f);
 }
 
 /// The cosine lobe about the normals.
@@ -228,14 +251,9 @@ HWY_INLINE Lanes Dot(const float* light, const Lanes* g) {
   return sum;
 }
 
-/// Reflected radiance at albedo 1, by channel, and what would arrive without an occluder.
+/// Light . (visibility * lobe) at albedo 1, by channel, and what would arrive without an occluder.
 template <int order>
-HWY_INLINE void Reflect(const Job& job, const Group& group, const Lanes* visibility, Lanes* radiance,
-                        Lanes* unshadowed) {
-  constexpr int size = order * order;
-  Lanes lobe[size], reflected[size];
-  CosineLobe<order>(job, group.normal, lobe);
-  Product<order>(visibility, lobe, reflected);
+HWY_INLINE void Reflect(const Job& job, const Lanes* reflected, const Lanes* lobe, Lanes* radiance, Lanes* unshadowed) {
   for (int c = 0; c < 3; ++c) {
     radiance[c] = Dot<order>(job.light[c].data(), reflected) * Lanes(1.0 / pi);
     unshadowed[c] = Dot<order>(job.light[c].data(), lobe) * Lanes(1.0 / pi);
@@ -290,31 +308,54 @@ HWY_INLINE Group LoadGroup(const Receivers& r, std::span<const int> which) {
   return g;
 }
 
+/// Sum of the spheres' logarithms for as many receivers as a vector holds.
 template <int order>
-HWY_NOINLINE void ShadeGroup(const Job& job, std::span<const int> which, std::span<const WeightedSphere> spheres,
-                             vec3* out) {
+HWY_INLINE void Accumulate(const Job& job, const Group& group, std::span<const WeightedSphere> spheres, Lanes* f) {
   const Floats d;
-  const Group group = LoadGroup(*job.receivers, which);
-  Lanes f[order * order];
-  for (Lanes& value : f) value = hn::Zero(d);
+  for (int i = 0; i < order * order; ++i) f[i] = hn::Zero(d);
   for (const WeightedSphere& sphere : spheres) {
     VF axis[3], cosine;
     const VF share = ShadowOf(sphere.sphere, group, job.replace && !sphere.bound, axis, &cosine);
     if (hn::AllFalse(d, hn::Gt(share, hn::Zero(d)))) continue;
     AddLogarithm<order>(*job.table, sphere, share, axis, cosine, f);
   }
-  Exponentiate<order>(job, f);
-  Lanes radiance[3], unshadowed[3];
-  if (job.by_normal.empty()) Reflect<order>(job, group, f, radiance, unshadowed);
-  else ReflectByTable<order>(job, which, f, radiance, unshadowed);
-  Write(job, which, radiance, unshadowed, out);
+}
+
+template <int order>
+HWY_NOINLINE void ShadeBlock(const Job& job, std::span<const int> which, std::span<const WeightedSphere> spheres,
+                             vec3* out) {
+  const std::size_t lanes = hn::Lanes(Floats());
+  const auto part = [&](std::size_t k) { return which.subspan(k, std::min(lanes, which.size() - k)); };
+  Block<order> visibility = {}, lobe = {}, reflected;
+  Lanes f[order * order], g[order * order];
+  for (std::size_t k = 0; k < which.size(); k += lanes) {
+    const Group group = LoadGroup(*job.receivers, part(k));
+    Accumulate<order>(job, group, spheres, f);
+    visibility.Store(int(k), f);
+    if (!job.by_normal.empty()) continue;
+    CosineLobe<order>(job, group.normal, g);
+    lobe.Store(int(k), g);
+  }
+  Exponentiate<order>(job, visibility);
+  if (job.by_normal.empty()) sh::product_batch(order, visibility.values, lobe.values, sh::block, reflected.values);
+  for (std::size_t k = 0; k < which.size(); k += lanes) {
+    Lanes radiance[3], unshadowed[3];
+    if (job.by_normal.empty()) {
+      reflected.Load(int(k), f);
+      lobe.Load(int(k), g);
+      Reflect<order>(job, f, g, radiance, unshadowed);
+    } else {
+      visibility.Load(int(k), f);
+      ReflectByTable<order>(job, part(k), f, radiance, unshadowed);
+    }
+    Write(job, part(k), radiance, unshadowed, out);
+  }
 }
 
 void Shade(const Job& job, std::span<const int> which, std::span<const WeightedSphere> spheres, vec3* radiance) {
-  const std::size_t lanes = hn::Lanes(Floats());
   sh::with_order<4, 6>(job.order, [&](auto n) {
-    for (std::size_t k = 0; k < which.size(); k += lanes)
-      ShadeGroup<n>(job, which.subspan(k, std::min(lanes, which.size() - k)), spheres, radiance);
+    for (std::size_t k = 0; k < which.size(); k += sh::block)
+      ShadeBlock<n>(job, which.subspan(k, std::min(std::size_t(sh::block), which.size() - k)), spheres, radiance);
   });
 }
 

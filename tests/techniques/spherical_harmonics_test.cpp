@@ -181,12 +181,15 @@ TEST(SphericalHarmonics, VectorisedProductsEqualTheOracle) {
           for (std::size_t i = 0; i < size; ++i) f[at(k, i)] = a[i], g[at(k, i)] = b[i];
         }
         sh::product_batch(order, f.data(), g.data(), count, out.data());
+        sh::square_batch(order, f.data(), count, f.data());
         for (int k = 0; k < count; ++k) {
           const auto a = random_coefficients(order, 10 + k), b = random_coefficients(order, 90 + k);
           const auto oracle = sh::tensor(order).product(a, b);
           std::vector<float> one(size);
           sh::product(order, floats(a).data(), floats(b).data(), one.data());
+          const auto squared = sh::tensor(order).product(a, a);
           for (std::size_t i = 0; i < size; ++i) {
+            ASSERT_NEAR(double(f[at(k, i)]), squared[i], 1e-5) << sh::target() << " " << order << " " << i;
             ASSERT_NEAR(double(out[at(k, i)]), oracle[i], 1e-5) << sh::target() << " " << order << " " << i;
             ASSERT_NEAR(double(one[i]), oracle[i], 1e-5) << sh::target() << " " << order << " " << i;
           }

@@ -103,6 +103,18 @@ void product_in_batches(benchmark::State& state) {
 }
 BENCHMARK(product_in_batches)->DenseRange(2, 6);
 
+void square_in_batches(benchmark::State& state) {
+  const auto size = std::size_t(sh::coefficients(int(state.range(0)))) * items;
+  const std::vector<float> f = numbers(size, 0.5f);
+  std::vector<float> out(size);
+  for (auto _ : state) {
+    sh::square_batch(int(state.range(0)), f.data(), items, out.data());
+    benchmark::DoNotOptimize(out.data());
+  }
+  per_item(state, items);
+}
+BENCHMARK(square_in_batches)->DenseRange(4, 6);
+
 void zonal_rotation(benchmark::State& state) {
   sh::with_order<1, 6>(int(state.range(0)), [&](auto n) {
     const std::vector<float> zonal = numbers(n);

@@ -40,6 +40,19 @@ HWY_NOINLINE void ProductOrder(const float* f, const float* g, int count, float*
     }
 }
 
+template <int order>
+HWY_NOINLINE void SquareOrder(const float* f, int count, float* out) {
+  const Floats d;
+  constexpr int size = coefficients(order);
+  for (int first = 0; first < count; first += block, f += size * block, out += size * block)
+    for (int k = 0; k < block; k += int(hn::Lanes(d))) {
+      Lanes a[size], r[size];
+      for (int i = 0; i < size; ++i) a[i] = hn::LoadU(d, f + i * block + k);
+      square<order>(a, r);
+      for (int i = 0; i < size; ++i) hn::StoreU(r[i].v, d, out + i * block + k);
+    }
+}
+
 /// All t_ij = f_i g_j + f_j g_i, a row of vectors at a time; the rest is straight-line code on single numbers.
 template <int order>
 HWY_NOINLINE void OneProduct(const float* f, const float* g, float* out) {
@@ -75,6 +88,10 @@ void ProductBatch(int order, const float* f, const float* g, int count, float* o
   with_order<2, 6>(order, [&](auto n) { ProductOrder<n>(f, g, count, out); });
 }
 
+void SquareBatch(int order, const float* f, int count, float* out) {
+  with_order<2, 6>(order, [&](auto n) { SquareOrder<n>(f, count, out); });
+}
+
 void Product(int order, const float* f, const float* g, float* out) {
   with_order<2, 6>(order, [&](auto n) { OneProduct<n>(f, g, out); });
 }
@@ -92,6 +109,7 @@ namespace penumbra::sh {
 
 HWY_EXPORT(EvaluateBatch);
 HWY_EXPORT(ProductBatch);
+HWY_EXPORT(SquareBatch);
 HWY_EXPORT(Product);
 HWY_EXPORT(Target);
 
@@ -101,6 +119,10 @@ void evaluate_batch(int order, const float* const direction[3], int count, float
 
 void product_batch(int order, const float* f, const float* g, int count, float* out) {
   HWY_DYNAMIC_DISPATCH(ProductBatch)(order, f, g, count, out);
+}
+
+void square_batch(int order, const float* f, int count, float* out) {
+  HWY_DYNAMIC_DISPATCH(SquareBatch)(order, f, count, out);
 }
 
 void product(int order, const float* f, const float* g, float* out) {

@@ -19,6 +19,9 @@ void evaluate_batch(int order, const float* const direction[3], int count, float
 /// out = f * g, item by item, order 2 to 6. `out` may be f or g.
 void product_batch(int order, const float* f, const float* g, int count, float* out);
 
+/// out = f * f, item by item, for less. `out` may be f.
+void square_batch(int order, const float* f, int count, float* out);
+
 /// One product of order 2 to 6: coefficients in a row.
 void product(int order, const float* f, const float* g, float* out);
 
