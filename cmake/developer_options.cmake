@@ -24,6 +24,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
 endif()
 
 if(PENUMBRA_SANITIZERS)
+  # One instruction set: the kernels' source is the same for all, and instrumented it compiles slowly.
+  target_compile_definitions(penumbra_options INTERFACE HWY_COMPILE_ONLY_STATIC)
   target_compile_options(penumbra_options INTERFACE
     -fsanitize=${PENUMBRA_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer
     $<$<COMPILE_LANGUAGE:CXX>:-Wno-maybe-uninitialized>) # g++ mistakes instrumented std::function for uninitialised
