@@ -16,6 +16,7 @@ PANELS = [
     ("16 rays", "ray-traced-simd-estimator-ratio-occluder-mesh-rays-16-seed-1-threads-2"),
     ("sphere table", "pixel-basis-simd-bins-angle-resolution-32-visibility-table-threads-2"),
     ("exact spheres", "pixel-basis-simd-bins-angle-resolution-32-visibility-raster-threads-2"),
+    ("sh-exponentiation", "sh-exponentiation-simd-*"),
 ]
 
 
@@ -27,6 +28,8 @@ def picture() -> None:
     for column, (label, name) in enumerate(PANELS):
         x = column * (size + gap)
         draw.text((x + 4, 5), label, fill="black")
+        if name and "*" in name:
+            name = next(folder.glob(name + ".exr")).name.removesuffix(".exr")
         files = [f"{name or 'truth'}.png"] + ([f"{name}.error.png"] if name else [])
         for row, file in enumerate(files):
             panel = Image.open(folder / file).convert("RGB").resize((size, size), Image.NEAREST)
