@@ -56,7 +56,7 @@ def table() -> str:
         error, time = r["errors"]["truth"]["rel_rmse"], r["frame_ms"]
         others = [(o["frame_ms"], o["errors"]["truth"]["rel_rmse"]) for o in rows if o is not r]
         beaten = any(t <= time and e <= error and (t, e) != (time, error) for t, e in others)
-        shown = {k: v for k, v in r["parameters"].items() if k in ("rays", "visibility")}
+        shown = {k: v for k, v in r["parameters"].items() if k in ("rays", "visibility", "order")}
         parameters = " ".join(f"{k}={v}" for k, v in shown.items())
         lines.append(
             f"| {'' if beaten else 'P'} | {r['technique']} | {r['backend']} | {parameters} | {r['threads']} | {time:.2f} "
