@@ -130,8 +130,8 @@ TEST_P(EveryVariant, AlbedoScales) {
   for (vec3& albedo : scene.receivers.albedo) albedo = {0.5f, 0.25f, 0.0f};
   const std::vector<vec3> tinted = test::shade(*technique, scene);
   for (std::size_t i = 0; i < white.size(); ++i) {
-    EXPECT_NEAR(tinted[i].x, 0.5f * white[i].x, 1e-6f * white[i].x);
-    EXPECT_NEAR(tinted[i].y, 0.25f * white[i].y, 1e-6f * white[i].y);
+    EXPECT_NEAR(tinted[i].x, 0.5f * white[i].x, 1e-6f * std::abs(white[i].x));
+    EXPECT_NEAR(tinted[i].y, 0.25f * white[i].y, 1e-6f * std::abs(white[i].y));
     EXPECT_EQ(tinted[i].z, 0.0f);
   }
 }
