@@ -79,8 +79,8 @@ LogTable::LogTable(int order) : order_(order) {
 }
 
 double LogTable::look_up(int band, double cos_theta) const {
-  const double at = (1.0 - cos_theta) * (samples - 1);
-  const int row = std::clamp(int(at), 0, samples - 2);
+  const double at = (1.0 - cos_theta) * (samples - 1), last = samples - 2;
+  const int row = at > 0.0 ? int(std::min(at, last)) : 0;
   const double low = double(rows_[row * order_ + band]), high = double(rows_[(row + 1) * order_ + band]);
   return low + (at - row) * (high - low);
 }

@@ -40,7 +40,7 @@ struct LinearFit {
   std::vector<float> a, b;
   template <class T>
   T look_up(const std::vector<float>& values, T norm) const {
-    const T at = std::min(norm / T(step), T(values.size() - 1));
+    const T last = T(values.size() - 1), at = norm / T(step) < last ? norm / T(step) : last;  // also if not a number
     const auto k = std::min(std::size_t(at), values.size() - 2);
     return T(values[k]) + (at - T(k)) * (T(values[k + 1]) - T(values[k]));
   }

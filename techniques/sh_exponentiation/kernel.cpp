@@ -65,7 +65,7 @@ HWY_INLINE void AddLogarithm(const LogTable& table, const WeightedSphere& sphere
   const Floats d;
   const hn::RebindToSigned<Floats> di;
   const VF at = hn::Mul(hn::Sub(hn::Set(d, 1.0f), cosine), hn::Set(d, float(LogTable::samples - 1)));
-  const VI row = hn::Min(hn::ConvertTo(di, at), hn::Set(di, LogTable::samples - 2));
+  const VI row = hn::Max(hn::Zero(di), hn::Min(hn::ConvertTo(di, at), hn::Set(di, LogTable::samples - 2)));
   const VF part = hn::Sub(at, hn::ConvertTo(d, row));
   const VI first = hn::Mul(row, hn::Set(di, order));
   Lanes y[order * order];
@@ -81,7 +81,7 @@ HWY_INLINE void AddLogarithm(const LogTable& table, const WeightedSphere& sphere
 HWY_INLINE VF LookUp(const std::vector<float>& values, VF at) {
   const Floats d;
   const hn::RebindToSigned<Floats> di;
-  const VI k = hn::Min(hn::ConvertTo(di, at), hn::Set(di, int(values.size()) - 2));
+  const VI k = hn::Max(hn::Zero(di), hn::Min(hn::ConvertTo(di, at), hn::Set(di, int(values.size()) - 2)));
   const VF low = hn::GatherIndex(d, values.data(), k), high = hn::GatherIndex(d, values.data() + 1, k);
   return hn::MulAdd(hn::Sub(at, hn::ConvertTo(d, k)), hn::Sub(high, low), low);
 }

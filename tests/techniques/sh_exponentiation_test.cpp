@@ -244,6 +244,20 @@ INSTANTIATE_TEST_SUITE_P(EveryWay, ShExponentiation,
                          testing::Values(Way{"scalar", "hybrid"}, Way{"simd", "hybrid"}, Way{"scalar", "exact"},
                                          Way{"simd", "exact"}, Way{"simd", "power-series"}));
 
+TEST(ShGuard, NotANumberIsCountedAndBlack) {
+  for (const char* backend : {"scalar", "simd"})
+    for (const char* kind : {"exponential=hybrid", "exponential=optimal-linear", "exponential=power-series"}) {
+      const Registry registry = make_registry();
+      const auto technique = make_technique(registry.find("sh-exponentiation", backend),
+                                            parse_parameters({kind, "hierarchy=off", "terms=3"}));
+      Scene scene = test::sphere_scene({test::cap_sphere({0, 1, 0}, 0.5)}, test::receivers_at({vec3(0.0f), vec3(NAN)}));
+      const auto image = test::shade(*technique, scene);
+      EXPECT_GT(image[0].x, 0.5f) << "the neighbour is well";
+      EXPECT_EQ(image[1], vec3(0.0f)) << backend << " " << kind;
+      EXPECT_EQ(technique->counters().at("non_finite"), 3u) << backend << " " << kind;
+    }
+}
+
 TEST(ShGuard, CountsWhatIsNotFinite) {
   std::size_t bad = 0, clamped = 0;
   EXPECT_EQ(guarded(NAN, 1.0f, bad, clamped), 0.0f);
