@@ -49,12 +49,12 @@ class Technique {
 
   virtual Footprint footprint() const = 0;
 
-  /// Events of the last update() and shade() that a reader of the image should know of, by name: values that were clamped
-  /// or not finite, input that was left out.
+  /// Events of the last update() and shade() that a reader of the image should know of, by name: values that were
+  /// clamped or not finite, input that was left out.
   virtual std::map<std::string, std::size_t> counters() const { return {}; }
 
-  /// For the frame of the last update(): what each approximation adds to the error, if the technique can tell them apart.
-  /// Not timed.
+  /// For the frame of the last update(): what each approximation adds to the error, if the technique can tell them
+  /// apart. Not timed.
   virtual std::vector<Approximation> approximations() const { return {}; }
 
   /// Instruction set that the inner loops run on, e.g. "AVX3"; empty for plain code.

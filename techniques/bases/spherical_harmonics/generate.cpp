@@ -9,6 +9,7 @@
 #include <iostream>
 #include <map>
 #include <set>
+#include <tuple>
 #include <vector>
 
 #include "techniques/bases/spherical_harmonics/basis.h"
@@ -90,7 +91,7 @@ struct Sum {
   struct Term {
     int i, j;
     bool minus;
-    auto operator<=>(const Term&) const = default;
+    bool operator<(const Term& other) const { return std::tie(i, j, minus) < std::tie(other.i, other.j, other.minus); }
   };
   std::vector<Term> terms;                      ///< the first is positive
   std::vector<std::pair<int, double>> adds_to;  ///< k and its factor
@@ -114,6 +115,7 @@ std::vector<Sum> collect_sums(int order, double equal = 1.0, double unequal = 1.
     sum.adds_to.emplace_back(key.first, members[0].second);
   }
   std::vector<Sum> out;
+  out.reserve(sums.size());
   for (const auto& [terms, sum] : sums) out.push_back(sum);
   return out;
 }

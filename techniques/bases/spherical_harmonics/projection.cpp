@@ -120,7 +120,7 @@ LightCoefficients project_cube(int order, const Environment& e) {
       for (std::size_t p = 0; p < rule.node.size(); ++p)
         for (std::size_t q = 0; q < rule.node.size(); ++q) {
           const double column = x + 0.5 + 0.5 * rule.node[p], row = y + 0.5 + 0.5 * rule.node[q];
-          const double s = 2.0 * column / n - 1.0, t = 2.0 * (row - double(y / n) * n) / n - 1.0;
+          const double s = 2.0 * column / n - 1.0, t = 2.0 * (row - (y - y % n)) / n - 1.0;
           // dw = ds dt / (1 + s^2 + t^2)^(3/2)
           const double solid_angle =
               rule.weight[p] * rule.weight[q] / (double(n) * n) * std::pow(1.0 + s * s + t * t, -1.5);
