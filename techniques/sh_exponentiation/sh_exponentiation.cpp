@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "scenes/cube_map.h"
 #include "scenes/error.h"
@@ -35,14 +36,11 @@ class ShExponentiation : public Technique {
   explicit ShExponentiation(const Parameters& p)
       : order_(p.integer("order")),
         window_(sh::window(sh::parse_window(p.text("window")), order_)),
-        table_(order_),
-        fit_(p.text("fit") == "caps" ? fit_to_caps(table_) : fit_to_sets(table_)),
+        fit_caps_(p.text("fit") == "caps"),
         table_normals_(p.text("normals") == "table"),
         hierarchy_(p.text("hierarchy") == "on"),
         light_(order_) {
     job_.order = order_;
-    job_.table = &table_;
-    job_.fit = &fit_;
     job_.method = {parse_exponential(p.text("exponential")), p.integer("terms"), p.number("tau")};
     job_.replace = p.text("self_shadow") == "replace";
     job_.normals = normal_texels;
@@ -53,6 +51,7 @@ class ShExponentiation : public Technique {
 
   void prepare(const Scene& scene) override {
     if (scene.spheres.empty()) throw Unsupported("the scene has no spheres");
+    make_tables();
     set_receivers(scene.receivers);
     set_spheres(scene.spheres, true);
     set_light(scene.light);
@@ -72,7 +71,7 @@ class ShExponentiation : public Technique {
   }
 
   Footprint footprint() const override {
-    Footprint bytes{table_.bytes() + fit_.a.size() * 2 * sizeof(float), light_.bytes(), tree_.bytes()};
+    Footprint bytes{(table_ ? table_->bytes() : 0) + fit_.a.size() * 2 * sizeof(float), light_.bytes(), tree_.bytes()};
     for (const auto& list : lists_) bytes.per_frame += list.size() * sizeof(WeightedSphere);
     for (const Cluster& c : clusters_) bytes.per_scene += c.receivers.size() * sizeof(int);
     bytes.per_scene += job_.by_normal.size() * sizeof(float);
@@ -111,7 +110,7 @@ class ShExponentiation : public Technique {
       const std::vector<double> y = sh::evaluate(order_, shadow.axis);
       for (std::size_t k = 0; k < f.size(); ++k) {
         const int l = sh::band(int(k));
-        f[k] += double(shadow.share) * double(s.weight[l]) * table_.look_up(l, double(shadow.cosine)) * y[k];
+        f[k] += double(shadow.share) * double(s.weight[l]) * table_->look_up(l, double(shadow.cosine)) * y[k];
       }
     }
     const std::vector<double> visibility = exponential(job_.method, fit_, f);
@@ -141,6 +140,14 @@ class ShExponentiation : public Technique {
     return table_normals_ ? std::size_t(cube_texel(normal, normal_texels)) * 3 * sh::coefficients(order_) : 0;
   }
 
+  void make_tables() {
+    if (table_) return;
+    table_.emplace(order_);
+    fit_ = fit_caps_ ? fit_to_caps(*table_) : fit_to_sets(*table_);
+    job_.table = &*table_;
+    job_.fit = &fit_;
+  }
+
   void set_receivers(const Receivers& receivers) {
     job_.receivers = &receivers;
     edge_ = 0.0f;  // clusters are made anew
@@ -165,7 +172,7 @@ class ShExponentiation : public Technique {
     if (edge != edge_) clusters_ = make_clusters(r, edge_ = edge);
     lists_.resize(clusters_.size());
     tbb::parallel_for(std::size_t(0), clusters_.size(),
-                      [&](std::size_t k) { tree_.cut(table_, clusters_[k].bound, lists_[k]); });
+                      [&](std::size_t k) { tree_.cut(*table_, clusters_[k].bound, lists_[k]); });
   }
 
   void set_light(const Light& light) {
@@ -193,7 +200,8 @@ class ShExponentiation : public Technique {
 
   int order_;
   std::vector<double> window_;
-  LogTable table_;
+  bool fit_caps_;
+  std::optional<LogTable> table_;
   LinearFit fit_;
   bool table_normals_, hierarchy_;
   sh::LightProjection light_;

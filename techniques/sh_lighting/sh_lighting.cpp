@@ -7,6 +7,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <optional>
+
 #include "techniques/bases/spherical_harmonics/lobes.h"
 #include "techniques/bases/spherical_harmonics/projection.h"
 #include "techniques/registry.h"
@@ -22,7 +24,8 @@ class ShLighting : public Technique {
   explicit ShLighting(const Parameters& p, bool packets = false)
       : order_(p.integer("order")),
         window_(sh::window(sh::parse_window(p.text("window")), order_)),
-        set_(order_, p.integer("directions"), std::uint64_t(p.integer("seed"))),
+        directions_(p.integer("directions")),
+        seed_(std::uint64_t(p.integer("seed"))),
         projection_(order_) {
     const std::string& transfer = p.text("transfer");
     request_.transfer = transfer == "unshadowed" ? Transfer::unshadowed
@@ -35,6 +38,7 @@ class ShLighting : public Technique {
 
   void prepare(const Scene& scene) override {
     request_.mesh_albedo = scene.receiver_spec.albedo;
+    if (!set_) set_.emplace(order_, directions_, seed_);
     rays_.build(scene.mesh);
     set_transfer(scene.mesh, scene.receivers);
     set_light(scene.light);
@@ -52,13 +56,13 @@ class ShLighting : public Technique {
       for (int c = 0; c < 3; ++c) {
         const float* row = transfer_.at(std::size_t(i), transfer_.channels == 3 ? c : 0);
         double sum = 0.0;
-        for (int k = 0; k < set_.row; ++k) sum += double(light_[c][k]) * double(row[k]);
+        for (int k = 0; k < transfer_.row; ++k) sum += double(light_[c][k]) * double(row[k]);
         radiance[i][c] = receivers_->albedo[i][c] * float(sum);
       }
   }
 
   Footprint footprint() const override {
-    return {set_.bytes(), rays_.bytes() + transfer_.values.size() * sizeof(float) + projection_.bytes(),
+    return {set_ ? set_->bytes() : 0, rays_.bytes() + transfer_.values.size() * sizeof(float) + projection_.bytes(),
             3 * light_[0].size() * sizeof(float)};
   }
 
@@ -70,7 +74,7 @@ class ShLighting : public Technique {
  private:
   void set_transfer(const Mesh& mesh, const Receivers& receivers) {
     receivers_ = &receivers;
-    transfer_ = compute_transfer(request_, set_, rays_, mesh, receivers);
+    transfer_ = compute_transfer(request_, *set_, rays_, mesh, receivers);
   }
 
   void set_light(const Light& light) {
@@ -78,13 +82,15 @@ class ShLighting : public Technique {
     for (int c = 0; c < 3; ++c) {
       sh::apply_window(window_, coefficients.channel[c]);
       light_[c].assign(coefficients.channel[c].begin(), coefficients.channel[c].end());
-      light_[c].resize(std::size_t(set_.row), 0.0f);
+      light_[c].resize(std::size_t(set_->row), 0.0f);
     }
   }
 
   int order_;
   std::vector<double> window_;
-  DirectionSet set_;
+  int directions_;
+  std::uint64_t seed_;
+  std::optional<DirectionSet> set_;
   sh::LightProjection projection_;
   Request request_;
   RayScene rays_;
