@@ -147,7 +147,9 @@ std::vector<Cluster> make_clusters(const Receivers& receivers, float edge) {
   std::vector<Cluster> clusters;
   for (int i = 0; i < receivers.size(); ++i) {
     if (!receivers.valid(i)) continue;
-    const vec3 cell = glm::floor(glm::clamp(receivers.position[i] / edge, -1e9f, 1e9f));
+    vec3 cell = glm::floor(receivers.position[i] / edge);
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(cell[c]) < 1e9f)) cell[c] = 1e9f;  // too far away, or not a number
     const auto [at, fresh] = found.try_emplace({int(cell.x), int(cell.y), int(cell.z)}, clusters.size());
     if (fresh) clusters.push_back({{(cell + 0.5f) * edge, 0.5f * std::sqrt(3.0f) * edge}, {}});
     clusters[at->second].receivers.push_back(i);

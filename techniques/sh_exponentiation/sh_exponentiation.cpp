@@ -13,7 +13,6 @@
 #include "scenes/cube_map.h"
 #include "scenes/error.h"
 #include "techniques/bases/blocked.h"
-#include "techniques/bases/pixel_sum.h"
 #include "techniques/bases/spherical_harmonics/basis.h"
 #include "techniques/bases/spherical_harmonics/kernel.h"
 #include "techniques/bases/spherical_harmonics/lobes.h"
@@ -35,11 +34,10 @@ class ShExponentiation : public Technique {
  public:
   explicit ShExponentiation(const Parameters& p)
       : order_(p.integer("order")),
-        window_(sh::window(sh::parse_window(p.text("window")), order_)),
         fit_caps_(p.text("fit") == "caps"),
         table_normals_(p.text("normals") == "table"),
         hierarchy_(p.text("hierarchy") == "on"),
-        light_(order_) {
+        light_(order_, sh::parse_window(p.text("window"))) {
     job_.order = order_;
     job_.method = {parse_exponential(p.text("exponential")), p.integer("terms"), p.number("tau")};
     job_.replace = p.text("self_shadow") == "replace";
@@ -176,11 +174,8 @@ class ShExponentiation : public Technique {
   }
 
   void set_light(const Light& light) {
-    sh::LightCoefficients coefficients = light_.update(*environment_of(light));
-    for (int c = 0; c < 3; ++c) {
-      sh::apply_window(window_, coefficients.channel[c]);
-      job_.light[c].assign(coefficients.channel[c].begin(), coefficients.channel[c].end());
-    }
+    const sh::LightCoefficients& coefficients = light_.update(*environment_of(light));
+    for (int c = 0; c < 3; ++c) job_.light[c].assign(coefficients.channel[c].begin(), coefficients.channel[c].end());
     if (table_normals_) make_normal_table();
   }
 
@@ -199,7 +194,6 @@ class ShExponentiation : public Technique {
   }
 
   int order_;
-  std::vector<double> window_;
   bool fit_caps_;
   std::optional<LogTable> table_;
   LinearFit fit_;

@@ -9,7 +9,6 @@
 
 #include <optional>
 
-#include "techniques/bases/spherical_harmonics/lobes.h"
 #include "techniques/bases/spherical_harmonics/projection.h"
 #include "techniques/registry.h"
 #include "techniques/sh_lighting/kernel.h"
@@ -23,10 +22,9 @@ class ShLighting : public Technique {
  public:
   explicit ShLighting(const Parameters& p, bool packets = false)
       : order_(p.integer("order")),
-        window_(sh::window(sh::parse_window(p.text("window")), order_)),
         directions_(p.integer("directions")),
         seed_(std::uint64_t(p.integer("seed"))),
-        projection_(order_) {
+        projection_(order_, sh::parse_window(p.text("window"))) {
     const std::string& transfer = p.text("transfer");
     request_.transfer = transfer == "unshadowed" ? Transfer::unshadowed
                         : transfer == "shadowed" ? Transfer::shadowed
@@ -78,16 +76,14 @@ class ShLighting : public Technique {
   }
 
   void set_light(const Light& light) {
-    sh::LightCoefficients coefficients = projection_.update(*environment_of(light));
+    const sh::LightCoefficients& coefficients = projection_.update(*environment_of(light));
     for (int c = 0; c < 3; ++c) {
-      sh::apply_window(window_, coefficients.channel[c]);
       light_[c].assign(coefficients.channel[c].begin(), coefficients.channel[c].end());
       light_[c].resize(std::size_t(set_->row), 0.0f);
     }
   }
 
   int order_;
-  std::vector<double> window_;
   int directions_;
   std::uint64_t seed_;
   std::optional<DirectionSet> set_;

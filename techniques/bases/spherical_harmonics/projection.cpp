@@ -162,6 +162,7 @@ const LightCoefficients& LightProjection::update(const Environment& environment)
   }
   const double c = std::cos(environment.rotation), s = std::sin(environment.rotation);
   world_ = rotate(order_, own_frame_, glm::dmat3({c, 0, -s}, {0, 1, 0}, {s, 0, c}));
+  for (auto& channel : world_.channel) apply_window(window_, channel);
   return world_;
 }
 

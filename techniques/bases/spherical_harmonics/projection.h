@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenes/environment.h"
+#include "techniques/bases/spherical_harmonics/lobes.h"
 
 namespace penumbra::sh {
 
@@ -26,16 +27,18 @@ struct LightCoefficients {
 /// rotation is left out.
 LightCoefficients project_texels(int order, const Environment& environment);
 
-/// The light's coefficients in world space, kept between frames: a light that only turned is not projected again.
+/// The light's windowed coefficients in world space, kept between frames: a light that only turned is not projected
+/// again.
 class LightProjection {
  public:
   /// `order` 1 to max_order.
-  explicit LightProjection(int order) : order_(order) {}
+  explicit LightProjection(int order, Window kind = Window::none) : order_(order), window_(window(kind, order)) {}
   const LightCoefficients& update(const Environment& environment);
   std::size_t bytes() const { return image_.size() * sizeof(vec3); }
 
  private:
   int order_;
+  std::vector<double> window_;
   std::vector<vec3> image_;  ///< that was projected last
   LightCoefficients own_frame_, world_;
 };
