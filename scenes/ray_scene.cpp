@@ -34,6 +34,12 @@ void occluded16(const int* valid, RTCScene scene, bool alike, RTCRay16* rays) {
   arguments.flags = alike ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, rays, &arguments);
 }
+void intersect16(const int* valid, RTCScene scene, RTCRayHit16* rays) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcIntersect16(valid, scene, rays, &arguments);
+}
 #else
 void intersect1(RTCScene scene, RTCRayHit* ray) {
   RTCIntersectContext context;
@@ -51,6 +57,12 @@ void occluded16(const int* valid, RTCScene scene, bool alike, RTCRay16* rays) {
   context.flags = alike ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcOccluded16(valid, scene, &context, rays);
 }
+void intersect16(const int* valid, RTCScene scene, RTCRayHit16* rays) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect16(valid, scene, &context, rays);
+}
 #endif
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -62,6 +74,23 @@ RTCRay make_ray(vec3 origin, vec3 direction, float near, float far) {
   ray.tnear = near, ray.tfar = far;
   ray.mask = ~0u;
   return ray;
+}
+
+/// A packet in Embree's terms; lanes from `count` on are switched off.
+void fill(const RayPacket& packet, int count, RTCRay16& rays, int* valid) {
+  float* origin[3] = {rays.org_x, rays.org_y, rays.org_z};
+  float* direction[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
+  for (int c = 0; c < 3; ++c) {
+    std::copy_n(packet.origin[c], RayPacket::size, origin[c]);
+    std::copy_n(packet.direction[c], RayPacket::size, direction[c]);
+  }
+  std::copy_n(packet.far, RayPacket::size, rays.tfar);
+  std::fill_n(rays.tnear, RayPacket::size, 0.0f);
+  std::fill_n(rays.time, RayPacket::size, 0.0f);
+  std::fill_n(rays.mask, RayPacket::size, ~0u);
+  std::fill_n(rays.id, RayPacket::size, 0u);
+  std::fill_n(rays.flags, RayPacket::size, 0u);
+  for (int i = 0; i < RayPacket::size; ++i) valid[i] = i < count ? -1 : 0;
 }
 
 /// Point of the triangle that is nearest to p (Ericson 2005, section 5.1.5): by the region of the plane p lies over.
@@ -224,23 +253,22 @@ unsigned RayScene::meets_box(const RayPacket& packet, int count) const {
 unsigned RayScene::occluded(const RayPacket& packet, int count, bool alike) const {
   alignas(64) int valid[RayPacket::size];
   alignas(64) RTCRay16 rays;
-  float* origin[3] = {rays.org_x, rays.org_y, rays.org_z};
-  float* direction[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
-  for (int c = 0; c < 3; ++c) {
-    std::copy_n(packet.origin[c], RayPacket::size, origin[c]);
-    std::copy_n(packet.direction[c], RayPacket::size, direction[c]);
-  }
-  std::copy_n(packet.far, RayPacket::size, rays.tfar);
-  std::fill_n(rays.tnear, RayPacket::size, 0.0f);
-  std::fill_n(rays.time, RayPacket::size, 0.0f);
-  std::fill_n(rays.mask, RayPacket::size, ~0u);
-  std::fill_n(rays.id, RayPacket::size, 0u);
-  std::fill_n(rays.flags, RayPacket::size, 0u);
-  for (int i = 0; i < RayPacket::size; ++i) valid[i] = i < count ? -1 : 0;
+  fill(packet, count, rays, valid);
   occluded16(valid, impl_->scene, alike, &rays);
   unsigned bits = 0;
   for (int i = 0; i < count; ++i) bits |= (rays.tfar[i] < 0.0f ? 1u : 0u) << i;
   return bits;
+}
+
+void RayScene::first_hits(const RayPacket& packet, int count, float* distance) const {
+  alignas(64) int valid[RayPacket::size];
+  alignas(64) RTCRayHit16 rays;
+  fill(packet, count, rays.ray, valid);
+  std::fill_n(rays.hit.geomID, RayPacket::size, RTC_INVALID_GEOMETRY_ID);
+  std::fill_n(rays.hit.instID[0], RayPacket::size, RTC_INVALID_GEOMETRY_ID);
+  intersect16(valid, impl_->scene, &rays);
+  for (int i = 0; i < count; ++i)
+    distance[i] = rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? infinity : rays.ray.tfar[i];
 }
 
 Nearest RayScene::nearest(vec3 point, float most) const {

@@ -28,8 +28,8 @@ struct RayPacket {
   alignas(64) float direction[3][size];
   alignas(64) float far[size];
 
-  void set(int i, vec3 from, vec3 unit_direction, float reach) {
-    for (int c = 0; c < 3; ++c) origin[c][i] = from[c], direction[c][i] = unit_direction[c];
+  void set(int i, vec3 from, vec3 towards, float reach) {
+    for (int c = 0; c < 3; ++c) origin[c][i] = from[c], direction[c][i] = towards[c];
     far[i] = reach;
   }
   void copy(int i, const RayPacket& other, int k) {
@@ -58,6 +58,9 @@ class RayScene {
   /// The same for the first `count` rays of a packet; bit i of the result belongs to ray i.
   /// `alike`: they start nearby and point nearly the same way, and are worth a walk together.
   unsigned occluded(const RayPacket& packet, int count, bool alike = false) const;
+  /// Distance of the first hit for the first `count` rays of a packet, in lengths of their directions, which need not
+  /// be unit; infinity where nothing is within `far`. The rays are alike.
+  void first_hits(const RayPacket& packet, int count, float* distance) const;
   /// Rays that meet the mesh's box; the others are not occluded. Most shadow rays of a plane miss it, and a look at
   /// sixteen at once costs less than a visit to the tree's root.
   unsigned meets_box(const RayPacket& packet, int count) const;

@@ -85,7 +85,9 @@ SphereSet read_spheres(TomlReader& at, const Mesh& mesh, const SphereChoice& cho
 
 void read_occluder(TomlReader at, const SphereChoice& choice, Scene& scene) {
   const std::string name = at.required("mesh", at.text("mesh"), "an asset name, a path or a shape");
-  if (!make_shape(name, scene.mesh)) {
+  const auto seed = at.integer("seed", 0, 1 << 30);
+  if (seed && name != "primitives") at.fail("seed", "is for the shape primitives");
+  if (!make_shape(name, scene.mesh, unsigned(seed.value_or(1)))) {
     const std::string file = resolve(at, "mesh", name, "mesh", shape_names);
     scene.mesh = at_key(at, "mesh", [&] { return load_mesh(file); });
   }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 
 namespace penumbra {
 namespace {
@@ -95,13 +96,89 @@ Mesh make_bowl(float radius, int segments) {
   return mesh;
 }
 
-bool make_shape(const std::string& name, Mesh& mesh) {
+namespace {
+
+void append(Mesh& mesh, const Mesh& part) {
+  const auto first = unsigned(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  for (const uvec3& t : part.triangles) mesh.triangles.push_back(t + first);
+}
+
+/// A box whose faces share no vertices, so that its vertex normals are those of the faces.
+Mesh make_flat_box(vec3 low, vec3 high) {
+  const Mesh box = make_box(low, high);
+  Mesh flat;
+  for (const uvec3& t : box.triangles) {
+    const auto first = unsigned(flat.positions.size());
+    for (int k = 0; k < 3; ++k) flat.positions.push_back(box.positions[t[k]]);
+    flat.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  return flat;
+}
+
+Mesh moved(Mesh mesh, vec3 offset) {
+  for (vec3& p : mesh.positions) p += offset;
+  return mesh;
+}
+
+}  // namespace
+
+Mesh make_still_life() {
+  Mesh mesh = make_sphere({-0.7f, 0.45f, 0.1f}, 0.45f, 96);
+  append(mesh, make_flat_box({0.25f, 0.0f, -0.7f}, {0.75f, 1.1f, -0.2f}));
+  append(mesh, moved(make_torus(0.38f, 0.12f, 96, 32), {0.6f, 0.12f, 0.7f}));
+  return mesh;
+}
+
+Mesh make_fence(int bars, float thickness) {
+  const float half = 0.5f * thickness;
+  Mesh mesh;
+  for (int k = 0; k < bars; ++k) {
+    const float x = bars > 1 ? -1.0f + 2.0f * float(k) / float(bars - 1) : 0.0f;
+    append(mesh, make_flat_box({x - half, 0.0f, -half}, {x + half, 1.0f, half}));
+  }
+  for (const float y : {0.2f, 0.8f})
+    append(mesh, make_flat_box({-1.0f - half, y - half, -2 * half}, {1.0f + half, y + half, -half}));
+  return mesh;
+}
+
+Mesh make_two_blockers() {
+  Mesh mesh = make_flat_box({-0.6f, 0.4f, -0.6f}, {0.6f, 0.42f, 0.2f});
+  append(mesh, make_flat_box({-0.2f, 1.4f, -0.2f}, {0.9f, 1.42f, 0.7f}));
+  return mesh;
+}
+
+Mesh make_primitives(unsigned seed, int count) {
+  std::mt19937 random(seed);  // its numbers are fixed by the standard; the library's distributions are not
+  const auto unit = [&] { return float(random() >> 8) * 0x1p-24f; };
+  Mesh mesh;
+  for (int k = 0; k < count; ++k) {
+    const float size = 0.1f + 0.4f * unit(), angle = 2.0f * float(pi) * unit(), reach = 1.8f * std::sqrt(unit());
+    Mesh part = k % 3 == 0   ? make_flat_box(vec3(-0.4f * size), vec3(0.4f * size))
+                : k % 3 == 1 ? make_sphere(vec3(0.0f), 0.5f * size, 48)
+                             : make_torus(0.4f * size, 0.1f * size, 48, 16);
+    const float tilt = 2.0f * float(pi) * unit(), turn = 2.0f * float(pi) * unit();
+    const vec3 place(reach * std::cos(angle), 0.5f * size + unit() * (1.95f - size), reach * std::sin(angle));
+    for (vec3& p : part.positions) {
+      p = {p.x, std::cos(tilt) * p.y - std::sin(tilt) * p.z, std::sin(tilt) * p.y + std::cos(tilt) * p.z};
+      p = vec3(std::cos(turn) * p.x + std::sin(turn) * p.z, p.y, std::cos(turn) * p.z - std::sin(turn) * p.x) + place;
+    }
+    append(mesh, part);
+  }
+  return mesh;
+}
+
+bool make_shape(const std::string& name, Mesh& mesh, unsigned seed) {
   if (name == "torus-knot") mesh = make_torus_knot();
   else if (name == "torus") mesh = make_torus(1.0f, 0.4f, 48, 24);
   else if (name == "sphere") mesh = make_sphere(vec3(0.0f), 1.0f);
   else if (name == "resting-sphere") mesh = make_sphere(vec3(0, 0.5f, 0), 0.5f);
   else if (name == "box") mesh = make_box(vec3(-0.5f), vec3(0.5f));
   else if (name == "bowl") mesh = make_bowl(1.0f);
+  else if (name == "still-life") mesh = make_still_life();
+  else if (name == "fence") mesh = make_fence(25, 0.03f);
+  else if (name == "two-blockers") mesh = make_two_blockers();
+  else if (name == "primitives") mesh = make_primitives(seed);
   else if (name == "none") mesh = {};
   else return false;
   return true;

@@ -1,5 +1,6 @@
 // One line per technique.
 #include "cuda/register_cuda.h"
+#include "techniques/pcss/pcss.h"
 #include "techniques/pixel_basis/pixel_basis.h"
 #include "techniques/ray_traced/ray_traced.h"
 #include "techniques/registry.h"
@@ -16,6 +17,7 @@ Registry make_registry() {
   register_wavelet(registry);
   register_sh_lighting(registry);
   register_sh_exponentiation(registry);
+  register_pcss(registry);
   register_cuda(registry);
   return registry;
 }

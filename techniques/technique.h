@@ -26,6 +26,12 @@ struct Footprint {
   std::size_t total() const { return tables + per_scene + per_frame; }
 };
 
+/// A named part of update() or shade() and how long its last run took. Stages need not add up to the whole.
+struct Stage {
+  std::string name;
+  double ms;
+};
+
 /// An image on the way from the rung `spheres` to a technique's own: one more of its approximations is in it.
 struct Approximation {
   std::string name;            ///< of what this image adds to the one before
@@ -52,6 +58,9 @@ class Technique {
   /// Events of the last update() and shade() that a reader of the image should know of, by name: values that were
   /// clamped or not finite, input that was left out.
   virtual std::map<std::string, std::size_t> counters() const { return {}; }
+
+  /// Sub-stages of the last update() and shade(), in order of running; 0 ms where one had nothing to do.
+  virtual std::vector<Stage> stages() const { return {}; }
 
   /// For the frame of the last update(): what each approximation adds to the error, if the technique can tell them
   /// apart. Not timed.

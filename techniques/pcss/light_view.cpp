@@ -1,0 +1,113 @@
+#include "techniques/pcss/light_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace penumbra::pcss {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+struct Box {
+  vec2 low{infinity}, high{-infinity};
+  void add(vec2 q) { low = glm::min(low, q), high = glm::max(high, q); }
+  void cut(vec2 most) { low = glm::clamp(low, -most, most), high = glm::clamp(high, -most, most); }
+};
+
+void set_axes(const AreaLight& light, double scale, LightView& view) {
+  view.centre = light.centre;
+  view.normal = light.normal;
+  view.edge_u = light.edge_u, view.edge_v = light.edge_v;
+  view.spread = float(scale * (light.shape == AreaLight::Shape::disc ? std::sqrt(pi) / 2.0 : 1.0));
+  if (!(light.area() > 0.0)) {
+    orthonormal_frame(view.normal, view.edge_u, view.edge_v);
+    view.spread = 0.0f;
+  }
+  const vec3 n = glm::cross(view.edge_u, view.edge_v);
+  view.across_u = glm::cross(view.edge_v, n) / glm::dot(n, n);
+  view.across_v = glm::cross(n, view.edge_u) / glm::dot(n, n);
+}
+
+/// Depths of the occluder in front of the light.
+struct Depths {
+  float near = infinity, far = 0.0f;
+  bool behind = false;  ///< a part of the occluder is
+};
+
+Depths measure(const LightView& view, const Mesh& mesh) {
+  Depths depths;
+  for (const vec3& p : mesh.positions) {
+    const float z = view.depth(p);
+    depths.far = std::max(depths.far, z);
+    if (z > 0.0f) depths.near = std::min(depths.near, z);
+    else depths.behind = true;
+  }
+  return depths;
+}
+
+}  // namespace
+
+float farthest_receiver(const LightView& view, const Receivers& receivers) {
+  float farthest = 0.0f;
+  for (int i = 0; i < receivers.size(); ++i)
+    if (const float z = view.depth(receivers.position[i]); receivers.valid(i) && z < infinity)
+      farthest = std::max(farthest, z);
+  return farthest;
+}
+
+vec3 LightView::ray_origin(int column, int row) const {
+  const vec2 q = middle(column, row);
+  return perspective ? centre : centre + q.x * edge_u + q.y * edge_v;
+}
+
+vec3 LightView::ray_direction(int column, int row) const {
+  const vec2 q = perspective ? middle(column, row) : shear;
+  return normal + q.x * edge_u + q.y * edge_v;
+}
+
+LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receivers& receivers,
+                          const LightViewSettings& settings, std::size_t& outside) {
+  LightView view;
+  outside = 0;
+  view.perspective = settings.perspective;
+  view.resolution = settings.resolution;
+  set_axes(light, settings.light_scale, view);
+  const Depths depths = measure(view, mesh);
+  view.texel = 1.0f / float(settings.resolution);
+  view.near = 1.0f;
+  if (!(depths.far > 0.0f)) return view;  // nothing in front of the light: an empty map
+
+  const Bounds box = bounds(mesh);
+  view.near = std::max(depths.near, 1e-3f * glm::length(box.extent()));
+  if (!view.perspective) {
+    const vec3 to = box.centre() - view.centre;
+    const float distance = std::max(view.depth(box.centre()), view.near);
+    view.shear = vec2(glm::dot(view.across_u, to), glm::dot(view.across_v, to)) / distance;
+    view.spread /= distance;
+  }
+  const vec2 edges(glm::length(view.edge_u), glm::length(view.edge_v));
+  const vec2 most = view.perspective ? vec2(6.0f) / edges : vec2(infinity);  // tan of 80 degrees
+  view.low = vec2(0.0f), view.texel = 1.0f;                                  // project() gives q itself
+  Box window;
+  for (const vec3& p : mesh.positions) {
+    const float z = view.depth(p);
+    if (!(z > 0.0f)) continue;
+    const vec2 q = view.project(p, z);
+    outside += z < view.near || glm::any(glm::greaterThan(glm::abs(q), most));
+    window.add(q);
+  }
+  if (view.perspective && depths.behind) window.add(-most), window.add(most);  // it may pass anywhere
+  const float widest =
+      float(settings.margin) * std::max(0.0f, view.width(view.near, farthest_receiver(view, receivers)));
+  window.low -= widest, window.high += widest;
+  window.cut(most);
+  const vec2 extent = window.high - window.low, middle = 0.5f * (window.low + window.high);
+  const float edge = std::max({extent.x, extent.y, 1e-6f}) * (1.0f + 2.0f / float(settings.resolution));
+  view.low = middle - 0.5f * edge;
+  view.texel = edge / float(settings.resolution);
+  view.metres = view.texel * std::max(edges.x, edges.y);
+  return view;
+}
+
+}  // namespace penumbra::pcss

@@ -1,0 +1,178 @@
+#include "techniques/pcss/kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "techniques/pcss/moment_kernel.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace penumbra::pcss::simd {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Doubles = hn::CappedTag<double, Tile::padding>;
+using Longs = hn::RebindToSigned<Doubles>;
+using Floats = hn::Rebind<float, Doubles>;
+using Ints = hn::Rebind<std::int32_t, Doubles>;
+using VD = hn::Vec<Doubles>;
+using VL = hn::Vec<Longs>;
+using VF = hn::Vec<Floats>;
+
+HWY_INLINE VD Set(double v) {
+  return hn::Set(Doubles(), v);
+}
+
+/// LightView::width, in floats as there.
+HWY_INLINE VF Width(const LightView& view, VF z, VF depth) {
+  const Floats d;
+  const VF one = hn::Set(d, 1.0f);
+  const VF span = view.perspective ? hn::Sub(hn::Div(one, z), hn::Div(one, depth)) : hn::Sub(depth, z);
+  return hn::Div(hn::Mul(hn::Set(d, view.spread), span), hn::Set(d, view.texel));
+}
+
+struct Range {
+  VL first, last;     ///< cut to the map
+  VD length, inside;  ///< texels before and after that
+};
+
+/// texel_range, and what of it lies on the map.
+HWY_INLINE Range TexelRange(VF centre, VF width, int edge) {
+  const Floats d;
+  const Ints di;
+  const VF half = hn::Mul(hn::Set(d, 0.5f), width), middle = hn::Set(d, 0.5f);
+  auto first = hn::ConvertTo(di, hn::Ceil(hn::Sub(hn::Sub(centre, half), middle)));
+  auto last = hn::ConvertTo(di, hn::Add(hn::Floor(hn::Sub(hn::Add(centre, half), middle)), hn::Set(d, 1.0f)));
+  const auto own = hn::ConvertTo(di, hn::Floor(centre));
+  const auto none = hn::Not(hn::Lt(first, last));
+  first = hn::IfThenElse(none, own, first);
+  last = hn::IfThenElse(none, hn::Add(own, hn::Set(di, 1)), last);
+  const auto zero = hn::Set(di, 0), end = hn::Set(di, edge);
+  const auto cut_first = hn::Min(hn::Max(first, zero), end), cut_last = hn::Min(hn::Max(last, zero), end);
+  const Doubles dd;
+  return {hn::PromoteTo(Longs(), cut_first), hn::PromoteTo(Longs(), cut_last), hn::PromoteTo(dd, hn::Sub(last, first)),
+          hn::PromoteTo(dd, hn::Sub(cut_last, cut_first))};
+}
+
+struct Region {
+  VD b[4];
+};
+
+/// MomentTable::mean and biased().
+HWY_INLINE Region MeanMoments(const MomentTable& table, VF x, VF y, VF width, double bias) {
+  const Doubles d;
+  const int edge = table.edge();
+  const Range across = TexelRange(x, width, edge), down = TexelRange(y, width, edge);
+  const VD count = hn::Mul(across.length, down.length);
+  const VD outside = hn::Sub(count, hn::Mul(across.inside, down.inside));
+  // Row starts by shifts and additions: 64-bit products are slow or missing.
+  const auto row = [&](VL k) {
+    const VD product = hn::Mul(hn::ConvertTo(d, k), Set(double(edge + 1)));
+    return hn::ConvertTo(Longs(), product);
+  };
+  const VL top = row(down.first), bottom = row(down.last);
+  Region out;
+  for (int j = 0; j < 4; ++j) {
+    const double* s = table.sums(j);
+    const auto at = [&](VL r, VL c) { return hn::GatherIndex(d, s, hn::Add(r, c)); };
+    const VD sum = hn::Sub(hn::Sub(at(bottom, across.last), at(bottom, across.first)),
+                           hn::Sub(at(top, across.last), at(top, across.first)));
+    const VD b = hn::Div(hn::Add(sum, outside), count);
+    out.b[j] = hn::Add(b, hn::Mul(Set(bias), hn::Sub(Set(0.5), b)));
+  }
+  return out;
+}
+
+struct Found {
+  VD share, mean;
+};
+
+/// blockers_of_moments().
+HWY_INLINE Found BlockersOfMoments(const Region& m, VD z0) {
+  const VD one = Set(1.0), zero = Set(0.0);
+  const VD b0 = m.b[0], b1 = m.b[1];
+  const VD d22 = hn::Sub(b1, hn::Mul(b0, b0)), l32d22 = hn::Sub(m.b[2], hn::Mul(b0, b1));
+  const VD d33d22 = hn::Sub(hn::Mul(hn::Sub(m.b[3], hn::Mul(b1, b1)), d22), hn::Mul(l32d22, l32d22));
+  const VD l32 = hn::Div(l32d22, d22);
+  VD c1 = hn::Sub(z0, b0);
+  VD c2 = hn::Sub(hn::Sub(hn::Mul(z0, z0), b1), hn::Mul(l32, c1));
+  c1 = hn::Div(c1, d22);
+  c2 = hn::Mul(c2, hn::Div(d22, d33d22));
+  c1 = hn::Sub(c1, hn::Mul(l32, c2));
+  const VD c0 = hn::Sub(one, hn::Add(hn::Mul(c1, b0), hn::Mul(c2, b1)));
+  const VD p = hn::Div(c1, c2), q = hn::Div(c0, c2);
+  const VD r = hn::Sqrt(hn::Max(zero, hn::Sub(hn::Mul(hn::Mul(Set(0.25), p), p), q)));
+  const VD middle = hn::Mul(Set(-0.5), p), z1 = hn::Sub(middle, r), z2 = hn::Add(middle, r);
+  const auto weight = [&](VD a, VD b, VD own) {  // of the depth `own` beside a and b
+    const VD above = hn::Add(hn::Sub(hn::Mul(a, b), hn::Mul(b0, hn::Add(a, b))), b1);
+    return hn::Div(above, hn::Mul(hn::Sub(own, a), hn::Sub(own, b)));
+  };
+  const VD w0 = weight(z1, z2, z0), w1 = weight(z0, z2, z1);
+  const auto both = hn::Lt(z2, z0), first = hn::Lt(z1, z0);
+  VD share = hn::IfThenElse(both, hn::Sub(one, w0), hn::IfThenElseZero(first, w1));
+  const VD mean = hn::IfThenElse(both, hn::Div(hn::Sub(b0, hn::Mul(w0, z0)), hn::Sub(one, w0)), z1);
+  share = hn::IfThenElseZero(hn::Gt(share, zero), hn::Min(share, one));
+  return {share, mean};
+}
+
+HWY_INLINE VD Normalised(const MomentTable& table, VF z) {
+  return hn::Mul(hn::Sub(hn::PromoteTo(Doubles(), z), Set(table.near())), Set(table.scale()));
+}
+
+void MomentBlockers(const LightView& view, const MomentTable& table, double bias, Tile& tile) {
+  const Floats d;
+  const VF near = hn::Set(d, view.near), zero = hn::Zero(d), most = hn::Set(d, most_width);
+  for (int k = 0; k < tile.size(); k += int(hn::Lanes(d))) {
+    const VF depth = hn::LoadU(d, &tile.depth[k]);
+    const auto open = hn::Gt(depth, near);
+    VF blocker = zero;
+    if (!hn::AllFalse(d, open)) {
+      const VF width = hn::Min(hn::Max(zero, Width(view, near, hn::Max(depth, near))), most);
+      const Region region = MeanMoments(table, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]), width, bias);
+      const Found found = BlockersOfMoments(region, Normalised(table, depth));
+      const VD z = hn::Add(Set(table.near()), hn::Div(found.mean, Set(table.scale())));
+      const VF share = hn::DemoteTo(d, found.share);
+      blocker = hn::IfThenElseZero(hn::And(open, hn::Gt(share, zero)), hn::Max(near, hn::DemoteTo(d, z)));
+    }
+    hn::StoreU(blocker, d, &tile.blocker[k]);
+  }
+}
+
+void MomentFilter(const LightView& view, const MomentTable& table, double bias, float scale, Tile& tile) {
+  const Floats d;
+  const VF zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  for (int k = 0; k < tile.size(); k += int(hn::Lanes(d))) {
+    const VF depth = hn::LoadU(d, &tile.depth[k]), blocker = hn::LoadU(d, &tile.blocker[k]);
+    const auto some = hn::And(hn::Gt(blocker, zero), hn::Lt(blocker, depth));
+    VF visibility = one;
+    if (!hn::AllFalse(d, some)) {
+      const VF width =
+          hn::Mul(hn::Set(d, scale), Width(view, hn::IfThenElse(some, blocker, one), hn::IfThenElse(some, depth, one)));
+      const Region region = MeanMoments(table, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]),
+                                        hn::Min(width, hn::Set(d, most_width)), bias);
+      const Found found = BlockersOfMoments(region, Normalised(table, depth));
+      visibility = hn::IfThenElse(some, hn::DemoteTo(d, hn::Sub(Set(1.0), found.share)), one);
+    }
+    hn::StoreU(visibility, d, &tile.visibility[k]);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace penumbra::pcss::simd
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace penumbra::pcss::simd {
+
+HWY_EXPORT(MomentBlockers);
+HWY_EXPORT(MomentFilter);
+
+void moment_blockers(const LightView& view, const MomentTable& table, double bias, Tile& tile) {
+  HWY_DYNAMIC_DISPATCH(MomentBlockers)(view, table, bias, tile);
+}
+void moment_filter(const LightView& view, const MomentTable& table, double bias, float scale, Tile& tile) {
+  HWY_DYNAMIC_DISPATCH(MomentFilter)(view, table, bias, scale, tile);
+}
+
+}  // namespace penumbra::pcss::simd
+#endif  // HWY_ONCE

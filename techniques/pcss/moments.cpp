@@ -1,0 +1,60 @@
+#include "techniques/pcss/moments.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace penumbra::pcss {
+namespace {
+
+template <class Work>
+void for_each(int count, bool parallel, const Work& work) {
+  if (parallel) tbb::parallel_for(0, count, work);
+  else
+    for (int k = 0; k < count; ++k) work(k);
+}
+
+}  // namespace
+
+void MomentTable::build(const ShadowMap& map, float far, bool parallel) {
+  edge_ = map.resolution();
+  near_ = double(map.view.near);
+  scale_ = double(far) > near_ ? 1.0 / (double(far) - near_) : 1.0;
+  const std::size_t stride = std::size_t(edge_) + 1;
+  for (auto& sums : sums_) sums.resize(stride * stride), std::fill_n(sums.begin(), stride, 0.0);
+  for_each(edge_, parallel, [&](int y) {  // along rows
+    Moments sum{};
+    for (auto& sums : sums_) sums[(std::size_t(y) + 1) * stride] = 0.0;
+    for (int x = 0; x < edge_; ++x) {
+      const double z = std::clamp(normalised(map.depth[std::size_t(y) * edge_ + x]), 0.0, 1.0);
+      double power = 1.0;
+      for (std::size_t j = 0; j < 4; ++j) {
+        power *= z;
+        sum[j] += power;
+        sums_[j][(std::size_t(y) + 1) * stride + x + 1] = sum[j];
+      }
+    }
+  });
+  constexpr int strip = 64;  // columns that a core adds up together
+  for_each(4 * ((edge_ + strip - 1) / strip), parallel, [&](int k) {
+    auto& sums = sums_[std::size_t(k % 4)];
+    const int begin = k / 4 * strip, end = std::min(edge_, begin + strip);
+    for (std::size_t y = 1; y < std::size_t(edge_); ++y)
+      for (int x = begin + 1; x <= end; ++x) sums[(y + 1) * stride + x] += sums[y * stride + x];
+  });
+}
+
+Moments MomentTable::mean(const Texels& t) const {
+  const auto cut = [&](int k) { return std::size_t(std::clamp(k, 0, edge_)); };
+  const std::size_t stride = std::size_t(edge_) + 1;
+  const std::size_t l = cut(t.left), r = cut(t.right), top = cut(t.top) * stride, bottom = cut(t.bottom) * stride;
+  const double count = t.count(), outside = count - double(r - l) * double((bottom - top) / stride);
+  Moments b{};
+  for (std::size_t j = 0; j < 4; ++j) {
+    const auto& s = sums_[j];
+    b[j] = ((s[bottom + r] - s[bottom + l]) - (s[top + r] - s[top + l]) + outside) / count;
+  }
+  return b;
+}
+
+}  // namespace penumbra::pcss

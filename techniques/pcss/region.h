@@ -1,0 +1,89 @@
+// Square regions of the shadow map: as wanted, as texels, and as one of the squares that the multi-scale map stores
+// (Zhu et al. 2019, section 2.2; algorithms that use it say so).
+#pragma once
+
+#include <bit>
+#include <cmath>
+
+#include "techniques/pcss/light_view.h"
+
+namespace penumbra::pcss {
+
+/// Widths of regions are cut to so many texels, far more than any map has.
+constexpr float most_width = 1e6f;
+
+/// Texels [left, right) x [top, bottom), not yet cut to the map.
+struct Texels {
+  int left, right, top, bottom;
+  PENUMBRA_HD int count() const { return (right - left) * (bottom - top); }
+};
+
+/// Texels whose centres lie within `width` of the point along an axis; at least the texel that holds it.
+PENUMBRA_HD inline void texel_range(float centre, float width, int& first, int& last) {
+  first = int(std::ceil(centre - 0.5f * width - 0.5f));
+  last = int(std::floor(centre + 0.5f * width - 0.5f)) + 1;
+  if (first >= last) first = int(std::floor(centre)), last = first + 1;
+}
+
+PENUMBRA_HD inline Texels texels_of(float x, float y, float width) {
+  Texels t;
+  texel_range(x, width, t.left, t.right);
+  texel_range(y, width, t.top, t.bottom);
+  return t;
+}
+
+/// Texels [left, left + 2^level) x [top, top + 2^level), all on the map; level -1: there is none.
+struct Square {
+  int left = 0, top = 0, level = -1;
+  PENUMBRA_HD int edge() const { return 1 << level; }
+  friend PENUMBRA_HD bool operator==(const Square&, const Square&) = default;
+};
+
+/// The readings of the paper's steps (its own first).
+struct Snapping {
+  bool inclusive = true;  ///< r = ceil(x + s / 2) is the last texel; otherwise one past it
+  enum class Size { nearest, up } size = Size::nearest;  ///< to the nearer power of two, or never smaller
+  bool centred = false;                                  ///< the square keeps the region's centre instead of its corner
+};
+
+/// Exponent of the power of two that an edge of w >= 1 texels becomes (steps 3 and 4).
+PENUMBRA_HD inline int snapped_level(int w, Snapping::Size size) {
+  int floor_log = 0;
+  while ((w >> (floor_log + 1)) != 0) ++floor_log;
+  const bool power = w == 1 << floor_log;
+  if (size == Snapping::Size::up) return power ? floor_log : floor_log + 1;
+  const bool second_bit = floor_log > 0 && (w >> (floor_log - 1) & 1) != 0;
+  return second_bit ? floor_log + 1 : floor_log;
+}
+
+/// One axis of steps 1 and 2: the region's texels, cut to a map of `edge` texels; last < first if it misses the map.
+PENUMBRA_HD inline void snapped_range(float centre, float width, int edge, bool inclusive, int& first, int& last) {
+  first = int(std::floor(centre - 0.5f * width));
+  last = int(std::ceil(centre + 0.5f * width)) - (inclusive ? 0 : 1);
+  if (last < first) last = first;  // exclusive, width 0, on a whole number: the texel itself
+  first = first > 0 ? first : 0;
+  last = last < edge - 1 ? last : edge - 1;
+}
+
+/// Steps 5 to 7 along one axis: where the square starts, shifted onto the map.
+PENUMBRA_HD inline int snapped_start(int first, float centre, int square, int edge, bool centred) {
+  int start = centred ? int(std::floor(centre - 0.5f * float(square) + 0.5f)) : first;
+  start = start > 0 ? start : 0;
+  return start + square > edge ? edge - square : start;
+}
+
+/// The stored square that stands for a region (steps 1 to 7) on a map of `edge` texels whose largest square is
+/// 2^largest.
+PENUMBRA_HD inline Square snap(float x, float y, float width, int edge, int largest, const Snapping& how) {
+  int left, right, top, bottom;
+  snapped_range(x, width, edge, how.inclusive, left, right);
+  snapped_range(y, width, edge, how.inclusive, top, bottom);
+  if (right < left || bottom < top) return {};
+  const int across = snapped_level(right - left + 1, how.size), down = snapped_level(bottom - top + 1, how.size);
+  int level = across == down ? across : (across < down ? across : down) + 1;
+  level = level < largest ? level : largest;
+  return {snapped_start(left, x, 1 << level, edge, how.centred), snapped_start(top, y, 1 << level, edge, how.centred),
+          level};
+}
+
+}  // namespace penumbra::pcss

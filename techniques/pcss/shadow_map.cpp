@@ -1,0 +1,50 @@
+#include "techniques/pcss/shadow_map.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <limits>
+
+namespace penumbra::pcss {
+
+void trace(const RayScene& rays, ShadowMap& map) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const int n = map.resolution();
+  map.depth.assign(map.texels() + 16, infinity);
+  // Blocks of 4 x 4 texels: their rays stay together longer than a row's.
+  constexpr int block = 4;
+  static_assert(block * block == RayPacket::size);
+  const int blocks = (n + block - 1) / block;
+  tbb::parallel_for(0, blocks, [&](int by) {
+    for (int bx = 0; bx < blocks; ++bx) {
+      RayPacket packet = {};
+      int texel[RayPacket::size], count = 0;
+      for (int k = 0; k < RayPacket::size; ++k) {
+        const int x = bx * block + k % block, y = by * block + k / block;
+        if (x >= n || y >= n) continue;
+        packet.set(count, map.view.ray_origin(x, y), map.view.ray_direction(x, y), infinity);
+        texel[count++] = y * n + x;
+      }
+      if (!rays.meets_box(packet, count)) continue;
+      float depth[RayPacket::size];
+      rays.first_hits(packet, count, depth);
+      for (int k = 0; k < count; ++k) map.depth[texel[k]] = depth[k];
+    }
+  });
+}
+
+void project(const LightView& view, const Receivers& receivers, float bias, Tile& tile) {
+  for (int k = 0; k < tile.size(); ++k) {
+    const std::size_t i = tile.first(k / tile.columns, receivers.width) + std::size_t(k % tile.columns);
+    const vec3 p = receivers.position[i];
+    const float z = view.depth(p);
+    tile.x[k] = tile.y[k] = tile.depth[k] = 0.0f;
+    if (!receivers.valid(int(i)) || !(z > 0.0f)) continue;
+    const vec2 at = view.project(p, z);
+    const float d = receivers.on_occluder[i] ? z - depth_bias(view, bias, p, receivers.normal[i], z) : z;
+    if (!(std::abs(at.x) < 1e6f && std::abs(at.y) < 1e6f && d > 0.0f)) continue;  // too far away, or not a number
+    tile.x[k] = at.x, tile.y[k] = at.y, tile.depth[k] = d;
+  }
+}
+
+}  // namespace penumbra::pcss

@@ -1,0 +1,34 @@
+// The shadow map: least depth per texel, seen from the light's centre (Williams 1978), by rays.
+#pragma once
+
+#include <vector>
+
+#include "scenes/ray_scene.h"
+#include "techniques/pcss/tile.h"
+
+namespace penumbra::pcss {
+
+struct ShadowMap {
+  LightView view;
+  std::vector<float> depth;  ///< m along the light's normal; infinity where nothing is; resolution^2 in row order, and
+                             ///< 16 more so that a vector can be loaded from any texel
+  int resolution() const { return view.resolution; }
+  std::size_t texels() const { return std::size_t(view.resolution) * view.resolution; }
+};
+
+/// Traces map.view; rays through texel centres, packets of 16, rows in parallel.
+void trace(const RayScene& rays, ShadowMap& map);
+
+/// Depth bias of a receiver that lies on the occluder itself, in texels of the map: the plane through it may rise by
+/// the tangent of its angle to the light over each of them. Receivers elsewhere need none, the map does not hold them.
+PENUMBRA_HD inline float depth_bias(const LightView& view, float texels, vec3 position, vec3 normal, float z) {
+  const vec3 to_light = view.centre - position;
+  const float cosine = glm::dot(normal, to_light) / glm::length(to_light);
+  const float tangent = cosine > 0.1f ? std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) / cosine : 10.0f;
+  return texels * view.texel_at(z) * (1.0f + tangent);
+}
+
+/// Map coordinates and biased depth of a tile's receivers.
+void project(const LightView& view, const Receivers& receivers, float bias, Tile& tile);
+
+}  // namespace penumbra::pcss

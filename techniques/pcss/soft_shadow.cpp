@@ -1,0 +1,169 @@
+#include "techniques/pcss/soft_shadow.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace penumbra::pcss {
+
+int needed_level(float width, int edge) {
+  const int texels = int(std::min(std::ceil(std::max(width, 0.0f)) + 2.0f, float(edge)));
+  return std::min(snapped_level(texels, Snapping::Size::up), largest_level(edge));
+}
+
+SoftShadow::SoftShadow(const Parameters& parameters, const SoftOptions& options, bool parallel)
+    : AreaShadow(parameters, parallel), options_(options), kernel_(gaussian(options.blur)) {}
+
+int SoftShadow::tile_multiple() const {
+  return std::lcm(options_.search_reuse.area, options_.filter_reuse.area);
+}
+
+void SoftShadow::map_changed() {
+  if (!options_.multi_scale) return;
+  const LightView& view = map_.view;
+  const float widest = std::max(1.0f, options_.filter_scale) * view.width(view.near, farthest_receiver());
+  clock_.measure("levels",
+                 [&] { levels_.build(map_, options_.layout, needed_level(widest, view.resolution), parallel_); });
+}
+
+// --- step 1: search regions ------------------------------------------------------------------------------------------
+
+float SoftShadow::least_depth(const Square& square, float x, float y, float width) const {
+  if (!options_.overlap) return levels_.low(square);
+  // Four squares of half the size at the corners of the region's texels cover it exactly.
+  int left, right, top, bottom;
+  snapped_range(x, width, levels_.edge(), options_.snapping.inclusive, left, right);
+  snapped_range(y, width, levels_.edge(), options_.snapping.inclusive, top, bottom);
+  const int level =
+      std::min(int(std::bit_width(unsigned(std::min(right - left, bottom - top) + 1))) - 1, levels_.largest());
+  float low = std::numeric_limits<float>::infinity();
+  for (int t = top;; t = std::min(t + (1 << level), bottom + 1 - (1 << level))) {
+    for (int l = left;; l = std::min(l + (1 << level), right + 1 - (1 << level))) {
+      low = std::min(low, levels_.low({l, t, level}));
+      if (l + (1 << level) > right) break;
+    }
+    if (t + (1 << level) > bottom) break;
+  }
+  return low;
+}
+
+void SoftShadow::search_region(Tile& tile, int k) const {
+  const LightView& view = map_.view;
+  const int n = view.resolution;
+  const float x = tile.x[k], y = tile.y[k], d = tile.depth[k];
+  tile.representative[k] = -1;
+  tile.square[k] = {};
+  if (!(d > view.near)) return;
+  float width = std::min(std::max(0.0f, view.width(view.near, d)), most_width);
+  const Texels t = texels_of(x, y, width);
+  if (t.right <= 0 || t.left >= n || t.bottom <= 0 || t.top >= n) return;
+  const auto snapped = [&] { return snap(x, y, width, n, levels_.largest(), options_.snapping); };
+  if (options_.refine) {
+    for (int i = 0; i < most_refinements; ++i) {
+      const Square square = snapped();
+      if (square.level < 0) return;
+      const float low = least_depth(square, x, y, width);
+      if (!(low < d)) return;
+      const float before = width;
+      width = std::min(before, std::max(0.0f, view.width(low, d)));
+      if (before - width < 1.0f) break;
+    }
+  }
+  if (options_.multi_scale) {
+    tile.square[k] = snapped();
+    if (tile.square[k].level < 0) return;
+  }
+  tile.width[k] = width;
+  tile.representative[k] = k;
+}
+
+void SoftShadow::find_regions(Tile& tile) const {
+  for (int k = 0; k < tile.size(); ++k) search_region(tile, k);
+}
+
+// --- steps 2 and 4: blockers in a region -----------------------------------------------------------------------------
+
+Blockers SoftShadow::blockers_in(const Tile& tile, int k, Sum how) const {
+  const float d = tile.depth[k];
+  if (how == Sum::texels) return blockers_of_texels(map_, texels_of(tile.x[k], tile.y[k], tile.width[k]), d);
+  const Square& square = tile.square[k];
+  const int leaf_level = std::max(0, square.level - options_.depth);
+  Blockers found;
+  if (how == Sum::nearest) traverse(levels_, square, leaf_level, d, nearest_leaf, found);
+  else
+    traverse(
+        levels_, square, leaf_level, d,
+        [&](const Square& leaf, const DepthRange&) { return sampled_leaf(levels_, samples_, leaf, d); }, found);
+  return found;
+}
+
+void SoftShadow::find_blockers(Tile& tile) const {
+  for (int k = 0; k < tile.size(); ++k)
+    if (tile.representative[k] == k) tile.blocker[k] = blockers_in(tile, k, options_.search).mean();
+}
+
+void SoftShadow::filter(Tile& tile) const {
+  for (int k = 0; k < tile.size(); ++k) {
+    if (tile.representative[k] != k) continue;
+    const float blocked = blockers_in(tile, k, options_.filter).count;
+    const float all = options_.filter == Sum::texels ? float(texels_of(tile.x[k], tile.y[k], tile.width[k]).count())
+                                                     : float(tile.square[k].edge() * tile.square[k].edge());
+    tile.visibility[k] = 1.0f - blocked / all;
+  }
+}
+
+// --- step 3, and the order of things ---------------------------------------------------------------------------------
+
+void SoftShadow::make_filter_regions(Tile& tile) const {
+  for (int k = 0; k < tile.size(); ++k) {
+    if (tile.representative[k] < 0) continue;
+    tile.blocker[k] = tile.blocker[tile.representative[k]];
+  }
+  for (int k = 0; k < tile.size(); ++k) {
+    tile.visibility[k] = 1.0f;
+    // A shared blocker may lie behind this receiver.
+    if (tile.representative[k] < 0 || !(tile.blocker[k] > 0.0f) || !(tile.blocker[k] < tile.depth[k])) {
+      tile.representative[k] = -1;
+      continue;
+    }
+    tile.width[k] = std::min(options_.filter_scale * map_.view.width(tile.blocker[k], tile.depth[k]), most_width);
+    if (options_.multi_scale)
+      tile.square[k] =
+          snap(tile.x[k], tile.y[k], tile.width[k], map_.resolution(), levels_.largest(), options_.snapping);
+    tile.representative[k] = options_.multi_scale && tile.square[k].level < 0 ? -1 : k;
+  }
+}
+
+void SoftShadow::find_visibility(Tile& tile) {
+  timed(region_part, [&] {
+    find_regions(tile);
+    if (options_.search_reuse.area > 1) link(options_.search_reuse, tile);
+  });
+  timed(blocker_part, [&] { find_blockers(tile); });
+  timed(filter_part, [&] {
+    make_filter_regions(tile);
+    if (options_.filter_reuse.area > 1) link(options_.filter_reuse, tile);
+    filter(tile);
+    for (int k = 0; k < tile.size(); ++k)
+      if (tile.representative[k] >= 0) tile.visibility[k] = tile.visibility[tile.representative[k]];
+  });
+}
+
+void SoftShadow::blur_image(const MaskedImage& image, MaskedImage& between, std::vector<float>& out) const {
+  for_ranges(image.height, 8, [&](int begin, int end) { blur_rows(image, kernel_, begin, end, between); });
+  for_ranges(image.height, 8, [&](int begin, int end) { blur_columns(between, kernel_, begin, end, out.data()); });
+}
+
+void SoftShadow::finish(std::vector<float>& visibility) {
+  if (options_.blur == 0) return;
+  clock_.measure("blur", [&] {
+    for (MaskedImage* image : {&image_, &between_}) {
+      image->width = receivers_->width, image->height = receivers_->height;
+      image->value.resize(visibility.size()), image->weight.resize(visibility.size());
+    }
+    image_.value.swap(visibility);
+    for (int i = 0; i < receivers_->size(); ++i) image_.weight[i] = receivers_->valid(i) ? 1.0f : 0.0f;
+    blur_image(image_, between_, visibility);
+  });
+}
+
+}  // namespace penumbra::pcss

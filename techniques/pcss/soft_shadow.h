@@ -1,0 +1,81 @@
+// Percentage-closer soft shadows in three forms of one pipeline:
+//   pcss       every texel of both regions                                          Fernando 2005
+//   hqepcss    search region refined by a multi-scale map, blocker depth by a quadtree; every texel of the filter
+//              region                                                               Shen et al. 2014
+//   fast-pcss  reduced multi-scale map, both regions by a quadtree with samples, results shared by neighbours, blur
+//                                                                                   Zhu et al. 2019
+// Per receiver of depth d at map coordinates (x, y), with W the width of light_view.h:
+//   1 search region  W(n), n the occluder's least depth; refined: W(least depth in the region), until it stays
+//   2 blocker depth  z = mean depth of the region's texels nearer than d
+//   3 filter region  c W(z)
+//   4 shadow         share of its texels that are nearer than d
+#pragma once
+
+#include "techniques/pcss/area_shadow.h"
+#include "techniques/pcss/blur.h"
+#include "techniques/pcss/reuse.h"
+#include "techniques/pcss/traversal.h"
+
+namespace penumbra::pcss {
+
+/// How the texels of a region are summed.
+enum class Sum { texels, nearest, sampled };
+
+struct SoftOptions {
+  bool multi_scale = false;  ///< a multi-scale map is there
+  Layout layout = Layout::reduced;
+  bool refine = false;
+  bool overlap = false;  ///< refinement looks at four overlapping squares that cover the region exactly
+  Sum search = Sum::texels, filter = Sum::texels;
+  int depth = 3;  ///< levels of the quadtree below a region
+  Snapping snapping;
+  Reuse search_reuse, filter_reuse;
+  float filter_scale = 1.0f;  ///< c
+  int blur = 0;               ///< radius, receivers
+};
+
+constexpr int most_refinements = 4;
+
+/// The largest square that stands for any region of a map, for widths up to `width` texels.
+int needed_level(float width, int edge);
+
+class SoftShadow : public AreaShadow {
+ public:
+  SoftShadow(const Parameters& parameters, const SoftOptions& options, bool parallel);
+
+ protected:
+  void map_changed() override;
+  void find_visibility(Tile& tile) final;
+  void finish(std::vector<float>& visibility) override;
+  int tile_multiple() const override;
+  std::size_t derived_bytes() const override { return options_.multi_scale ? levels_.bytes() : 0; }
+
+  // The steps, for the receivers of a tile. A representative of -1 means lit.
+  virtual void find_regions(Tile& tile) const;         ///< depth, x, y -> width, square, representative
+  virtual void make_filter_regions(Tile& tile) const;  ///< blocker -> width, square, representative
+  virtual void blur_image(const MaskedImage& image, MaskedImage& between, std::vector<float>& out) const;
+  /// Of the region of receiver k.
+  virtual Blockers blockers_in(const Tile& tile, int k, Sum how) const;
+
+  const SoftOptions options_;
+  MultiScaleMap levels_;
+  SampleImage samples_ = make_sample_image();
+  std::vector<float> kernel_;  ///< of the blur
+
+ private:
+  void search_region(Tile& tile, int k) const;
+  float least_depth(const Square& square, float x, float y, float width) const;
+  void find_blockers(Tile& tile) const;  ///< representatives' regions -> blocker
+  void filter(Tile& tile) const;         ///< representatives' regions -> visibility
+
+  MaskedImage image_, between_;
+};
+
+std::vector<Parameter> pcss_parameters();
+std::vector<Parameter> hqepcss_parameters();
+std::vector<Parameter> fast_pcss_parameters();
+SoftOptions pcss_options(const Parameters& p);
+SoftOptions hqepcss_options(const Parameters& p);
+SoftOptions fast_pcss_options(const Parameters& p);
+
+}  // namespace penumbra::pcss

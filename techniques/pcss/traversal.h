@@ -1,0 +1,74 @@
+// Blockers in a region: how many texels are nearer to the light than the receiver, and how near.
+//
+//   texels:   every texel of the region (Fernando 2005).
+//   quadtree: squares of the multi-scale map from the top down. All texels nearer: taken whole. None: skipped. Some:
+//             the four quarters, until `leaf_level`. There (Shen et al. 2014) the whole leaf counts at its least depth,
+//             or (Zhu et al. 2019, section 3) 1, 4 or 16 samples stand for it.
+// The quadtree is linear: squares of any level and offset are stored, so a node is three numbers.
+#pragma once
+
+#include "techniques/pcss/multi_scale_map.h"
+#include "techniques/pcss/samples.h"
+
+namespace penumbra::pcss {
+
+/// Texels that block, and the sum of their depths.
+struct Blockers {
+  float count = 0.0f, depth_sum = 0.0f;
+  float mean() const { return count > 0.0f ? depth_sum / count : 0.0f; }  ///< 0: there is none
+  void add(float texels, float depth) { count += texels, depth_sum += texels * depth; }
+};
+
+/// Texels outside the map are empty.
+inline Blockers blockers_of_texels(const ShadowMap& map, const Texels& t, float d) {
+  const int n = map.resolution();
+  Blockers found;
+  for (int y = std::max(t.top, 0); y < std::min(t.bottom, n); ++y)
+    for (int x = std::max(t.left, 0); x < std::min(t.right, n); ++x) {
+      const float z = map.depth[std::size_t(y) * n + x];
+      if (z < d) found.add(1.0f, z);
+    }
+  return found;
+}
+
+/// Leaf rule of Shen et al. 2014.
+inline Blockers nearest_leaf(const Square& leaf, const DepthRange& range) {
+  const auto texels = float(leaf.edge() * leaf.edge());
+  return {texels, texels * range.low};
+}
+
+/// Leaf rule of Zhu et al. 2019, equations 5 and 6: the share of samples that block, times the leaf's texels.
+inline Blockers sampled_leaf(const MultiScaleMap& map, const SampleImage& samples, const Square& leaf, float d) {
+  const int edge = leaf.edge(), count = SampleImage::count(edge);
+  // (x + y) mod 8 of the leaf's centre.
+  const auto& set = samples.position[(leaf.left + leaf.top + edge) % SampleImage::variants];
+  Blockers found;
+  for (int k = SampleImage::first(edge); k < SampleImage::first(edge) + count; ++k) {
+    const float z = map.depth(leaf.left + int(set[k].x * float(edge)), leaf.top + int(set[k].y * float(edge)));
+    if (z < d) found.add(1.0f, z);
+  }
+  const float scale = float(edge * edge) / float(count);
+  return {scale * found.count, scale * found.depth_sum};
+}
+
+/// `leaf(square, range)` gives the blockers of an undecided leaf.
+template <class Leaf>
+void traverse(const MultiScaleMap& map, const Square& node, int leaf_level, float d, const Leaf& leaf,
+              Blockers& found) {
+  const DepthRange range = map.range(node);
+  if (range.high < d) {
+    found.add(float(node.edge() * node.edge()), range.mean);
+  } else if (range.low < d) {
+    if (node.level <= leaf_level) {
+      const Blockers inside = leaf(node, range);
+      found.count += inside.count, found.depth_sum += inside.depth_sum;
+      return;
+    }
+    const int half = node.edge() / 2;
+    for (const int y : {0, half})
+      for (const int x : {0, half})
+        traverse(map, {node.left + x, node.top + y, node.level - 1}, leaf_level, d, leaf, found);
+  }
+}
+
+}  // namespace penumbra::pcss
