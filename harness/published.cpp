@@ -22,35 +22,49 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 }  // namespace
 
-PublishedTable PublishedTable::load(const std::string& name) {
-  const std::string path = data_folder() + "/../results/published/" + name + ".csv";
-  std::ifstream file(path);
-  if (!file) throw Error("published table '{}' is missing: no {}", name, path);
-  PublishedTable table;
-  std::vector<std::string> columns;
+CsvFile load_published_csv(const std::string& name) {
+  CsvFile file;
+  file.path = data_folder() + "/../results/published/" + name + ".csv";
+  std::ifstream in(file.path);
+  if (!in) throw Error("published table '{}' is missing: no {}", name, file.path);
   int number = 0;
-  for (std::string line; std::getline(file, line);) {
+  for (std::string line; std::getline(in, line);) {
     ++number;
     if (line.starts_with("#")) {
-      if (table.title_.empty()) table.title_ = line.substr(2);
+      if (file.title.empty()) file.title = line.substr(2);
       continue;
     }
     const std::vector<std::string> cells = cells_of(line);
-    if (columns.empty()) {
-      columns = cells;
-      if (columns.size() < 3 || columns.back() != "fps")
-        throw Error("{}:{}: the last column must be fps", path, number);
+    if (file.columns.empty()) {
+      file.columns = cells;
       continue;
     }
-    if (cells.size() != columns.size()) throw Error("{}:{}: {} columns expected", path, number, columns.size());
+    if (cells.size() != file.columns.size())
+      throw Error("{}:{}: {} columns expected", file.path, number, file.columns.size());
+    file.lines.push_back({number, cells});
+  }
+  return file;
+}
+
+double CsvFile::number(const Line& line, std::size_t column) const {
+  try {
+    return std::stod(line.cells[column]);
+  } catch (const std::exception&) {
+    throw Error("{}:{}: '{}' is not a number", path, line.number, line.cells[column]);
+  }
+}
+
+PublishedTable PublishedTable::load(const std::string& name) {
+  const CsvFile file = load_published_csv(name);
+  if (file.columns.size() < 3 || file.columns.back() != "fps")
+    throw Error("{}: the last column must be fps", file.path);
+  PublishedTable table;
+  table.title_ = file.title;
+  for (const CsvFile::Line& line : file.lines) {
     Line entry;
-    for (std::size_t k = 0; k + 2 < cells.size(); ++k) entry.keys[columns[k]] = cells[k];
-    entry.device = cells[cells.size() - 2];
-    try {
-      entry.fps = std::stod(cells.back());
-    } catch (const std::exception&) {
-      throw Error("{}:{}: '{}' is not a number", path, number, cells.back());
-    }
+    for (std::size_t k = 0; k + 2 < line.cells.size(); ++k) entry.keys[file.columns[k]] = line.cells[k];
+    entry.device = line.cells[line.cells.size() - 2];
+    entry.fps = file.number(line, line.cells.size() - 1);
     if (std::find(table.devices_.begin(), table.devices_.end(), entry.device) == table.devices_.end())
       table.devices_.push_back(entry.device);
     table.lines_.push_back(std::move(entry));

@@ -9,6 +9,21 @@
 
 namespace penumbra {
 
+/// A file of results/published: lines of "# comment", one of column names, then values.
+struct CsvFile {
+  struct Line {
+    int number;
+    std::vector<std::string> cells;
+  };
+  std::string path, title;  ///< title: the first comment
+  std::vector<std::string> columns;
+  std::vector<Line> lines;
+  /// Throws Error naming file and line if the cell is no number.
+  double number(const Line& line, std::size_t column) const;
+};
+/// By name, NAME.csv. Throws Error if it is missing or a line has another number of cells than there are columns.
+CsvFile load_published_csv(const std::string& name);
+
 /// A table of results/published: lines of "# comment", one of column names, then values. The last column is the
 /// published frames per second, the one before it names the device; all others are matched against a row's parameters
 /// (and "spheres") of the same name.

@@ -1,5 +1,6 @@
 #include "harness/results.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -71,6 +72,16 @@ double Row::median_frame_ms() const {
   return median(frame_ms);
 }
 
+double Row::stages_ms(const std::vector<std::string>& names) const {
+  double sum = 0.0;
+  for (const std::string& stage : names) {
+    const auto at = std::find_if(stages.begin(), stages.end(), [&](const StageSamples& s) { return s.name == stage; });
+    if (at == stages.end()) return std::numeric_limits<double>::quiet_NaN();
+    sum += median(at->ms);
+  }
+  return sum;
+}
+
 double Row::truth_error() const {
   const auto at = errors.find("truth");
   return at == errors.end() ? std::numeric_limits<double>::infinity() : at->second.report.all.rel_rmse;
@@ -104,6 +115,10 @@ json to_json(const Row& row) {
   out["shade_ms"] = median(row.shade_ms);
   out["frame_ms"] = frame;
   out["samples"] = {{"update_ms", row.update_ms}, {"shade_ms", row.shade_ms}, {"frame_ms", row.frame_ms}};
+  out["stages"] = json::array();
+  for (const StageSamples& stage : row.stages)
+    out["stages"].push_back({{"name", stage.name}, {"ms", median(stage.ms)}, {"samples", stage.ms}});
+  out["view_ms"] = row.view_ms < 0 ? json(nullptr) : json(row.view_ms);
   out["bytes"] = row.bytes.total();
   out["footprint"] = {
       {"tables", row.bytes.tables}, {"per_scene", row.bytes.per_scene}, {"per_frame", row.bytes.per_frame}};
@@ -144,6 +159,9 @@ Row row_from_json(const json& in) {
   row.update_ms = samples.at("update_ms").get<std::vector<double>>();
   row.shade_ms = samples.at("shade_ms").get<std::vector<double>>();
   row.frame_ms = samples.at("frame_ms").get<std::vector<double>>();
+  for (const json& stage : in.at("stages"))
+    row.stages.push_back({stage.at("name"), stage.at("samples").get<std::vector<double>>()});
+  row.view_ms = in.at("view_ms").is_null() ? -1.0 : double(in.at("view_ms"));
   const json& bytes = in.at("footprint");
   row.bytes = {bytes.at("tables"), bytes.at("per_scene"), bytes.at("per_frame")};
   row.parity = in.at("parity_rel_rmse").is_null() ? -1.0 : double(in.at("parity_rel_rmse"));

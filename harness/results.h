@@ -6,6 +6,7 @@
 
 #include "harness/metrics.h"
 #include "harness/suite.h"
+#include "harness/timing.h"
 
 namespace penumbra {
 
@@ -42,6 +43,8 @@ struct Row {
   double prepare_ms = 0.0;
   long iterations = 0;
   std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
+  std::vector<StageSamples> stages;                   ///< of update and shade, in order of running
+  double view_ms = -1.0;  ///< camera rays that found the receivers, not part of the frame; -1: no camera
   Footprint bytes;
   double parity = -1.0;                         ///< relative RMSE against the scalar twin; -1: is scalar
   std::map<std::string, RungErrors> errors;     ///< by rung
@@ -54,6 +57,8 @@ struct Row {
   std::string variant() const;  ///< technique, backend, parameters, threads
   std::string name() const;     ///< unique within a run
   double median_frame_ms() const;
+  /// Sum of the medians of named stages; NaN if one of them is missing.
+  double stages_ms(const std::vector<std::string>& names) const;
   double truth_error() const;  ///< relative RMSE against truth; infinity if there is none
 };
 
@@ -66,6 +71,9 @@ void write_results(const std::string& directory, const nlohmann::json& context, 
 /// Rows of an earlier run; empty if there is none. Throws Error if the file is damaged.
 std::vector<Row> read_results(const std::string& directory);
 
+/// "name=value ..." of a row's parameters that differ among rows of its technique; the others would only widen a table.
+std::string telling_parameters(const Row& row, const std::vector<const Row*>& rows);
+
 /// Markdown: per scene, rows by frame time and by error against truth; Pareto-optimal rows marked.
 std::string make_table(const std::vector<Row>& rows);
 
@@ -74,6 +82,15 @@ std::string make_sequence_table(const std::vector<Row>& rows);
 
 /// Markdown: what each approximation adds; empty if no row knows.
 std::string make_steps_table(const std::vector<Row>& rows);
+
+/// Markdown: times of the sub-stages; empty if no row has any.
+std::string make_stages_table(const std::vector<Row>& rows);
+
+/// Markdown: errors against the suite's baseline; empty if no row has been compared with it.
+std::string make_baseline_table(const std::string& baseline, const std::vector<Row>& rows);
+
+/// Markdown: per scene, the cheapest row of each technique under 1, 3 and 10 % of error against truth.
+std::string make_choice_table(const std::vector<Row>& rows);
 
 /// Markdown: rows whose counters are not zero; empty if there is none.
 std::string make_counters_table(const std::vector<Row>& rows);

@@ -8,6 +8,7 @@
 
 #include "harness/interrupt.h"
 #include "harness/published.h"
+#include "harness/published_times.h"
 #include "harness/scene_run.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
@@ -71,17 +72,23 @@ std::vector<Row> take_finished(const std::vector<Row>& earlier, const SceneRun& 
 }  // namespace
 
 int run_suite(const Suite& suite, const Registry& registry, const RunOptions& options) {
-  const auto published =
-      suite.published.empty() ? std::optional<PublishedTable>() : PublishedTable::load(suite.published);
-  const auto tables = [&](const std::vector<Row>& rows) {
-    return make_table(rows) + make_sequence_table(rows) + make_steps_table(rows) + make_counters_table(rows) +
-           (published ? make_published_table(*published, rows) : "");
+  const auto published = suite.published.empty() || !suite.published_times.empty()
+                             ? std::optional<PublishedTable>()
+                             : PublishedTable::load(suite.published);
+  if (!suite.published_times.empty()) check_published_times(suite);
+  const auto tables = [&](const std::vector<Row>& rows) -> std::string {
+    std::string text = make_table(rows) + make_choice_table(rows) +
+                       (suite.baseline ? make_baseline_table(suite.baseline->entry->name, rows) : "") +
+                       make_stages_table(rows) + make_sequence_table(rows) + make_steps_table(rows) +
+                       make_counters_table(rows);
+    if (suite.published_times.empty()) return text + (published ? make_published_table(*published, rows) : "");
+    return text + make_published_times_table(suite, rows);
   };
   std::vector<Case> cases = load_cases(suite, options.filter);
   const std::vector<Row> earlier = options.resume ? read_results(options.directory) : std::vector<Row>();
   const int repetitions = options.repetitions > 0 ? options.repetitions : suite.repetitions;
   int steps = 0;
-  for (const Case& item : cases) steps += SceneRun::steps(item.variants.size(), repetitions);
+  for (const Case& item : cases) steps += SceneRun::steps(item.variants.size(), repetitions) + (suite.baseline ? 1 : 0);
 
   watch_interrupts();
   std::filesystem::create_directories(options.directory + "/images");
@@ -97,6 +104,7 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
       rows.insert(rows.end(), kept.begin(), kept.end());
       if (item.variants.empty()) continue;
       run.make_references(item.variants, progress);
+      if (suite.baseline) run.make_baseline(*suite.baseline, progress);
       if (suite.sequence) run.make_sequence(progress);
       const std::vector<Row> measured = run.measure(item.variants, repetitions, progress);
       rows.insert(rows.end(), measured.begin(), measured.end());

@@ -85,6 +85,41 @@ void SceneRun::make_references(const std::vector<Variant>& variants, Progress& p
   write_images("truth", truth().mean);
 }
 
+void SceneRun::make_baseline(const Variant& variant, Progress& progress) {
+  progress.step(scene_.name + ": baseline");
+  const Receivers& r = scene_.receivers;
+  Reference reference;
+  reference.mean = {r.width, r.height, std::vector<vec3>(std::size_t(r.size()))};
+  reference.variance = {r.width, r.height, std::vector<vec3>(std::size_t(r.size()), vec3(0.0f))};
+  try {
+    if (!variant.entry->lights.accepts(scene_.light)) throw Unsupported("it cannot shade the light");
+    const auto technique = make_technique(*variant.entry, variant.parameters);
+    tbb::task_arena(variant.threads).execute([&] {
+      technique->prepare(scene_);
+      technique->update(frame_);
+      technique->shade({reference.mean.pixels.data(), r.width, r.height});
+    });
+    baseline_.emplace(variant.entry->name, std::move(reference));
+  } catch (const std::exception& e) {
+    progress.note(fmt::format("{}: no baseline {}: {}", scene_.name, variant.entry->title(), e.what()));
+  }
+}
+
+/// Median of three runs of the camera's rays; -1 without a camera.
+double SceneRun::view_ms(int threads) const {
+  if (!std::holds_alternative<Camera>(scene_.receiver_spec.kind)) return -1.0;
+  const auto [at, fresh] = view_ms_.try_emplace(threads, 0.0);
+  if (!fresh) return at->second;
+  std::vector<double> samples;
+  for (int k = 0; k < 3; ++k)
+    tbb::task_arena(threads).execute([&] {
+      const auto start = std::chrono::steady_clock::now();
+      make_receivers(scene_.receiver_spec, frame_.mesh);
+      samples.push_back(milliseconds_since(start));
+    });
+  return at->second = median(samples);
+}
+
 void SceneRun::score(const Image& image, const Parameters& parameters, Row& row) const {
   for (const auto& [which, reference] : references_) {
     if (which.second != 0 && which.second != resolution_of(parameters)) continue;
@@ -94,6 +129,8 @@ void SceneRun::score(const Image& image, const Parameters& parameters, Row& row)
     const double scale = rms(reference.mean, valid_);
     errors.rel_noise = scale > 0.0 ? errors.noise / scale : 0.0;
   }
+  if (baseline_)
+    row.errors[baseline_->first].report = compare_images(image, baseline_->second.mean, regions_, valid_, exposure_);
   const int n = resolution_of(parameters);
   const auto cube = references_.find({Rung::cube, n}), spheres = references_.find({Rung::spheres, n});
   if (cube == references_.end() || spheres == references_.end()) return;
@@ -123,6 +160,7 @@ void SceneRun::shade_and_score(const Variant& variant, Candidate& c) const {
   c.row.counters = c.technique->counters();
   c.row.instruction_set = c.technique->instruction_set();
   c.row.bytes = c.technique->footprint();
+  c.row.view_ms = view_ms(variant.threads);
   if (variant.entry->backend != "scalar") {
     c.row.parity = parity_with_scalar(registry_, *variant.entry, variant.parameters, scene_);
     if (!(c.row.parity <= variant.entry->parity))
@@ -202,7 +240,8 @@ std::vector<Row> SceneRun::measure(const std::vector<Variant>& variants, int rep
 
   std::vector<TimedItem> items;
   for (Candidate& c : candidates)
-    if (c.row.ok()) items.push_back({c.row.name(), c.technique.get(), c.row.threads, c.estimate_ms, 0, {}, {}, {}, ""});
+    if (c.row.ok())
+      items.push_back({c.row.name(), c.technique.get(), c.row.threads, c.estimate_ms, 0, {}, {}, {}, {}, ""});
   time_items(items, scene_, repetitions, [&] { progress.step(scene_.name + ": timing"); });
 
   std::vector<Row> rows;
@@ -212,6 +251,7 @@ std::vector<Row> SceneRun::measure(const std::vector<Variant>& variants, int rep
       TimedItem& timed = *item++;
       c.row.iterations = timed.iterations;
       c.row.update_ms = timed.update_ms, c.row.shade_ms = timed.shade_ms, c.row.frame_ms = timed.frame_ms;
+      c.row.stages = std::move(timed.stages);
       if (!timed.failure.empty()) c.row.status = "failed: " + timed.failure;
       else if (int(c.row.frame_ms.size()) < repetitions) continue;  // interrupted
     }

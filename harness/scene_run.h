@@ -20,6 +20,9 @@ class SceneRun {
   /// Checks every variant, times those that pass, and scores them. Rows come in the order of the variants; when
   /// interrupted, unfinished ones are left out.
   std::vector<Row> measure(const std::vector<Variant>& variants, int repetitions, Progress& progress);
+  /// Shades the suite's baseline; its image joins the references. A baseline that cannot shade the scene is left out
+  /// with a note.
+  void make_baseline(const Variant& variant, Progress& progress);
   static int steps(std::size_t variants, int repetitions) { return int(variants) * (1 + repetitions) + 1; }
 
  private:
@@ -31,6 +34,7 @@ class SceneRun {
   };
   Candidate check(const Variant& variant) const;
   void shade_and_score(const Variant& variant, Candidate& candidate) const;
+  double view_ms(int threads) const;
   void score(const Image& image, const Parameters& parameters, Row& row) const;
   void write_images(const std::string& name, const Image& image) const;
   void write_overview(const std::vector<Candidate>& candidates) const;
@@ -47,6 +51,8 @@ class SceneRun {
   std::map<std::pair<Rung, int>, Reference> references_;  ///< by rung and resolution (0 where it has none)
   std::vector<Region> regions_;
   std::optional<Sequence> sequence_;
+  std::optional<std::pair<std::string, Reference>> baseline_;  ///< by name of its technique
+  mutable std::map<int, double> view_ms_;                      ///< by threads
   double exposure_ = 1.0;
 };
 

@@ -11,7 +11,9 @@ namespace penumbra {
 
 std::string Variant::label() const {
   std::string text = entry->name + "/" + entry->backend;
-  for (const auto& [name, value] : parameters.all()) text += "/" + name + ":" + to_string(value);
+  for (const Parameter& p : entry->parameters)
+    if (const ParameterValue& value = parameters.all().at(p.name); value != p.fallback)
+      text += "/" + p.name + ":" + to_string(value);
   return text + "/threads:" + std::to_string(threads);
 }
 
@@ -91,6 +93,34 @@ std::vector<Parameters> combinations(TomlReader* at) {
   return all;
 }
 
+/// `baseline`: one technique with one set of parameters.
+Variant read_baseline(TomlReader at, const Registry& registry) {
+  const std::string name = at.required("name", at.text("name"), "a technique's name");
+  const std::string backend = at.text("backend").value_or("simd");
+  auto table = at.table("parameters");
+  const std::vector<Parameters> given = combinations(table ? &*table : nullptr);
+  if (given.size() != 1) at.fail("parameters", "must have one value each: a baseline is one image");
+  at.finish();
+  try {
+    Variant variant{&registry.find(name, backend), {}, std::max(1, int(std::thread::hardware_concurrency()))};
+    variant.parameters = given[0].resolve(variant.entry->parameters, variant.entry->title());
+    return variant;
+  } catch (const Error& e) {
+    throw Error("{}: {}", at.where(table ? "parameters" : "name"), e.what());
+  }
+}
+
+PublishedTime read_published_time(TomlReader& at) {
+  PublishedTime line;
+  line.table = at.required("table", at.text("table"), "column `table` of the published file");
+  line.subject = at.required("subject", at.text("subject"), "column `subject` of the published file");
+  line.variant = at.required("variant", at.text("variant"), "column `variant` of the published file");
+  line.row = at.required("row", at.text("row"), "a regular expression for names of rows");
+  line.stages = texts_of(at, "stages");
+  at.finish();
+  return line;
+}
+
 void add_variants(TomlReader& at, const Registry& registry, const std::vector<int>& threads, Suite& suite) {
   const std::string name = at.required("name", at.text("name"), "a technique's name");
   std::vector<std::string> backends = texts_of(at, "backend");
@@ -127,6 +157,10 @@ Suite load_suite(const std::string& name_or_path, const Registry& registry, int 
   suite.sequence = file.boolean("sequence").value_or(false);
   suite.attribution = file.boolean("attribution").value_or(false);
   suite.published = file.text("published").value_or("");
+  for (TomlReader& line : file.tables("published_time")) suite.published_times.push_back(read_published_time(line));
+  if (!suite.published_times.empty() && suite.published.empty())
+    throw Error("{}: [[published_time]] needs the key 'published'", file.where());
+  if (auto baseline = file.table("baseline")) suite.baseline = read_baseline(*baseline, registry);
   std::vector<int> counts = integers_of(file, "threads", 1, 1024);
   if (threads > 0) counts = {threads};
   if (counts.empty()) counts = {std::max(1, int(std::thread::hardware_concurrency()))};

@@ -11,7 +11,15 @@ struct Variant {
   const Entry* entry = nullptr;
   Parameters parameters;  ///< resolved
   int threads = 1;
-  std::string label() const;  ///< "name/backend/param=value,.../threads:n"
+  /// "name/backend/param:value/.../threads:n" without parameters that have their defaults: for file names and progress.
+  std::string label() const;
+};
+
+/// A published time and the rows and stages of ours that it is compared with.
+struct PublishedTime {
+  std::string table, subject, variant;  ///< of results/published/NAME.csv
+  std::string row;                      ///< regular expression searched in row names
+  std::vector<std::string> stages;      ///< whose sum is compared; empty: the whole frame
 };
 
 struct Suite {
@@ -21,9 +29,11 @@ struct Suite {
   std::vector<Variant> variants;
   int repetitions = 9;
   double truth_noise = 0.002;
-  bool sequence = false;     ///< score every frame of a motion, not one
-  bool attribution = false;  ///< ask techniques what each of their approximations costs
-  std::string published;     ///< table of results/published to print beside, or empty
+  bool sequence = false;                       ///< score every frame of a motion, not one
+  bool attribution = false;                    ///< ask techniques what each of their approximations costs
+  std::string published;                       ///< table of results/published to print beside, or empty
+  std::vector<PublishedTime> published_times;  ///< lines of `published` if it holds times, not frame rates
+  std::optional<Variant> baseline;             ///< whose image is one more reference, named after its technique
 };
 
 /// Loads a shipped suite by name or a file by path, and expands every axis. `threads` replaces "all" (0: all cores).

@@ -26,9 +26,6 @@ std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows) {
   return optimal;
 }
 
-namespace {
-
-/// Parameters that differ among the rows; the others would only widen the table.
 std::string telling_parameters(const Row& row, const std::vector<const Row*>& rows) {
   std::string text;
   for (const auto& [name, value] : row.parameters.all()) {
@@ -41,6 +38,8 @@ std::string telling_parameters(const Row& row, const std::vector<const Row*>& ro
   }
   return text;
 }
+
+namespace {
 
 std::string percent(const Row& row, const char* rung) {
   const auto at = row.errors.find(rung);

@@ -37,9 +37,27 @@ class SilentReporter : public benchmark::BenchmarkReporter {
   void ReportRuns(const std::vector<Run>&) override {}
 };
 
+/// Sums of stages by name, in the order of their first appearance.
+void add_stages(const std::vector<Stage>& stages, std::vector<Stage>& sums) {
+  for (const Stage& stage : stages) {
+    const auto at = std::find_if(sums.begin(), sums.end(), [&](const Stage& s) { return s.name == stage.name; });
+    if (at == sums.end()) sums.push_back(stage);
+    else at->ms += stage.ms;
+  }
+}
+
+void add_samples(const std::vector<Stage>& sums, double factor, std::vector<StageSamples>& samples) {
+  for (const Stage& sum : sums) {
+    auto at = std::find_if(samples.begin(), samples.end(), [&](const StageSamples& s) { return s.name == sum.name; });
+    if (at == samples.end()) at = samples.insert(at, {sum.name, {}});
+    at->ms.push_back(sum.ms * factor);
+  }
+}
+
 void run_repetition(benchmark::State& state, TimedItem& item, Animation& animation, std::vector<vec3>& image) {
   const Scene& scene = animation.scene();
   double update = 0.0, shade = 0.0;
+  std::vector<Stage> stages;
   int index = 0;
   tbb::task_arena arena(item.threads);
   for (auto _ : state) {
@@ -63,6 +81,7 @@ void run_repetition(benchmark::State& state, TimedItem& item, Animation& animati
       break;
     }
     update += seconds[0], shade += seconds[1];
+    add_stages(item.technique->stages(), stages);
     state.SetIterationTime(seconds[0] + seconds[1]);
   }
   if (index != item.iterations) return;
@@ -70,6 +89,7 @@ void run_repetition(benchmark::State& state, TimedItem& item, Animation& animati
   item.update_ms.push_back(update * to_ms);
   item.shade_ms.push_back(shade * to_ms);
   item.frame_ms.push_back((update + shade) * to_ms);
+  add_samples(stages, 1.0 / double(index), item.stages);
 }
 
 }  // namespace

@@ -8,6 +8,12 @@
 
 namespace penumbra {
 
+/// A named sub-stage (Technique::stages): one mean per repetition.
+struct StageSamples {
+  std::string name;
+  std::vector<double> ms;
+};
+
 /// One variant to be timed; it has been prepared and has shaded before.
 struct TimedItem {
   std::string name;
@@ -17,7 +23,8 @@ struct TimedItem {
 
   long iterations = 0;                                ///< frames per repetition
   std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
-  std::string failure;                                ///< empty, or what was thrown
+  std::vector<StageSamples> stages;
+  std::string failure;  ///< empty, or what was thrown
 };
 
 /// Fills in the samples. `tick` is called before every repetition. Stops early when interrupted: items then have fewer

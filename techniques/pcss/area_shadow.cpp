@@ -33,10 +33,6 @@ void AreaShadow::for_ranges(int count, int grain, const std::function<void(int, 
   else if (count > 0) work(0, count);
 }
 
-float AreaShadow::farthest_receiver() const {
-  return pcss::farthest_receiver(map_.view, *receivers_);
-}
-
 void AreaShadow::find_unshadowed(const LampPolygon& lamp, int begin, int end, float* factor) const {
   for (int i = begin; i < end; ++i)
     factor[i] = receivers_->valid(i) ? form_factor(lamp, receivers_->position[i], receivers_->normal[i]) : 0.0f;
@@ -73,7 +69,7 @@ void AreaShadow::update(const Frame& frame) {
 
 void AreaShadow::shade_tiles() {
   const int width = receivers_->width, height = receivers_->height, unit = tile_multiple();
-  const int columns = (128 + unit - 1) / unit * unit, rows = (8 + unit - 1) / unit * unit;
+  const int columns = (64 + unit - 1) / unit * unit, rows = (32 + unit - 1) / unit * unit;
   const int across = (width + columns - 1) / columns, down = (height + rows - 1) / rows;
   tbb::enumerable_thread_specific<Tile> tiles;
   for_ranges(across * down, 1, [&](int begin, int end) {

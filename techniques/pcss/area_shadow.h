@@ -52,9 +52,6 @@ class AreaShadow : public Technique {
     part_ns_[part] += std::chrono::nanoseconds(StageClock::Clock::now() - start).count();
   }
 
-  /// Depth of the farthest receiver, m.
-  float farthest_receiver() const;
-
   void for_ranges(int count, int grain, const std::function<void(int, int)>& work) const;
 
   ShadowMap map_;

@@ -11,8 +11,7 @@ std::vector<Parameter> HardShadow::parameters() {
 void HardShadow::find_visibility(Tile& tile) {
   timed(filter_part, [&] {
     for (int k = 0; k < tile.size(); ++k)
-      tile.visibility[k] =
-          percentage_closer(map_.depth.data(), map_.resolution(), tile.x[k], tile.y[k], kernel_, tile.depth[k]);
+      tile.visibility[k] = percentage_closer(map_, tile.x[k], tile.y[k], kernel_, tile.depth[k]);
   });
 }
 

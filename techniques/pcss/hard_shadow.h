@@ -7,12 +7,12 @@
 namespace penumbra::pcss {
 
 /// Of texels; those outside the map are empty.
-PENUMBRA_HD inline float percentage_closer(const float* depth, int edge, float x, float y, int kernel, float d) {
-  const int left = int(std::floor(x)) - (kernel - 1) / 2, top = int(std::floor(y)) - (kernel - 1) / 2;
+inline float percentage_closer(const ShadowMap& map, float x, float y, int kernel, float d) {
+  const int edge = map.resolution();
+  const int left = floor_int(x) - (kernel - 1) / 2, top = floor_int(y) - (kernel - 1) / 2;
   int open = 0;
   for (int v = top; v < top + kernel; ++v)
-    for (int u = left; u < left + kernel; ++u)
-      open += u < 0 || v < 0 || u >= edge || v >= edge || !(depth[std::size_t(v) * edge + u] < d);
+    for (int u = left; u < left + kernel; ++u) open += u < 0 || v < 0 || u >= edge || v >= edge || !(map.at(u, v) < d);
   return float(open) / float(kernel * kernel);
 }
 

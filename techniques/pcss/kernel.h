@@ -38,26 +38,9 @@ void moment_filter(const LightView& view, const MomentTable& table, double bias,
 
 Blockers blockers_of_texels(const ShadowMap& map, const Texels& texels, float d);
 
-/// Where the samples of a leaf lie, in texels from its corner: [level][variant][16], row by row of one map.
-class SampleOffsets {
- public:
-  SampleOffsets() = default;
-  SampleOffsets(const SampleImage& image, int map_edge);
-  const std::int32_t* of(int level, int variant) const {
-    return &offset_[std::size_t(level * SampleImage::variants + variant) * 16];
-  }
-  int map_edge() const { return map_edge_; }
-
- private:
-  int map_edge_ = 0;
-  std::vector<std::int32_t> offset_;
-};
-
-/// The quadtree's sums, its leaves looked at all at once: what is decided higher up is decided in every leaf below.
-/// `depth` up to most_depth.
-constexpr int most_depth = 4;
-Blockers blockers_of_square(const MultiScaleMap& map, const SampleOffsets& samples, const Square& square, int depth,
-                            float d, Sum how);
+/// The quadtree's sums. Without `depths` only texels are counted.
+Blockers blockers_of_square(const ShadowMap& map, const MultiScaleMap& levels, const LeafSamples& samples,
+                            const Square& square, int depth, float d, Sum how, bool depths);
 
 void blur_rows(const MaskedImage& in, const std::vector<float>& kernel, int begin, int end, MaskedImage& out);
 void blur_columns(const MaskedImage& in, const std::vector<float>& kernel, int begin, int end, float* out);

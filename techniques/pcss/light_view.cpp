@@ -1,5 +1,7 @@
 #include "techniques/pcss/light_view.h"
 
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -46,15 +48,19 @@ Depths measure(const LightView& view, const Mesh& mesh) {
   return depths;
 }
 
-}  // namespace
-
+/// Depth of the farthest valid receiver in front of the light, m; 0 if there is none.
 float farthest_receiver(const LightView& view, const Receivers& receivers) {
-  float farthest = 0.0f;
-  for (int i = 0; i < receivers.size(); ++i)
-    if (const float z = view.depth(receivers.position[i]); receivers.valid(i) && z < infinity)
-      farthest = std::max(farthest, z);
-  return farthest;
+  const auto farther = [&](const tbb::blocked_range<int>& range, float farthest) {
+    for (int i = range.begin(); i < range.end(); ++i)
+      if (const float z = view.depth(receivers.position[i]); z > farthest && z < infinity && receivers.valid(i))
+        farthest = z;
+    return farthest;
+  };
+  return tbb::parallel_reduce(tbb::blocked_range<int>(0, receivers.size(), 4096), 0.0f, farther,
+                              [](float a, float b) { return std::max(a, b); });
 }
+
+}  // namespace
 
 vec3 LightView::ray_origin(int column, int row) const {
   const vec2 q = middle(column, row);
@@ -76,6 +82,7 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
   const Depths depths = measure(view, mesh);
   view.texel = 1.0f / float(settings.resolution);
   view.near = 1.0f;
+  view.farthest = farthest_receiver(view, receivers);
   if (!(depths.far > 0.0f)) return view;  // nothing in front of the light: an empty map
 
   const Bounds box = bounds(mesh);
@@ -98,8 +105,7 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
     window.add(q);
   }
   if (view.perspective && depths.behind) window.add(-most), window.add(most);  // it may pass anywhere
-  const float widest =
-      float(settings.margin) * std::max(0.0f, view.width(view.near, farthest_receiver(view, receivers)));
+  const float widest = float(settings.margin) * view.widest();
   window.low -= widest, window.high += widest;
   window.cut(most);
   const vec2 extent = window.high - window.low, middle = 0.5f * (window.low + window.high);

@@ -22,6 +22,7 @@ struct LightView {
   vec2 shear{0.0f};                           ///< orthographic: edges sideways per metre of depth
   float spread = 1.0f;                        ///< s, or s / D
   float near = 0.0f;                          ///< least depth of the occluder, m; > 0
+  float farthest = 0.0f;                      ///< depth of the farthest receiver, m; 0 if none is in front
   vec2 low{0.0f};                             ///< q of the map's corner
   float texel = 1.0f;                         ///< edge of a texel in q
   int resolution = 1;                         ///< texels along an edge
@@ -41,6 +42,9 @@ struct LightView {
   PENUMBRA_HD float width(float z, float d) const {
     return (perspective ? spread * (1.0f / z - 1.0f / d) : spread * (d - z)) / texel;
   }
+
+  /// Of any region that a receiver searches for blockers.
+  float widest() const { return farthest > near ? width(near, farthest) : 0.0f; }
 
   /// Edge of a texel in space at depth z, m.
   PENUMBRA_HD float texel_at(float z) const { return perspective ? metres * z : metres; }
@@ -65,8 +69,5 @@ struct LightViewSettings {
 /// within a thousandth of the occluder's size of the light's plane.
 LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receivers& receivers,
                           const LightViewSettings& settings, std::size_t& outside);
-
-/// Depth of the farthest valid receiver in front of the light, m; 0 if there is none.
-float farthest_receiver(const LightView& view, const Receivers& receivers);
 
 }  // namespace penumbra::pcss

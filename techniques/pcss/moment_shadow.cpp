@@ -10,7 +10,7 @@ std::vector<Parameter> MomentShadow::parameters() {
 }
 
 void MomentShadow::map_changed() {
-  clock_.measure("moments", [&] { table_.build(map_, farthest_receiver(), parallel_); });
+  clock_.measure("moments", [&] { table_.build(map_, map_.view.farthest, parallel_); });
 }
 
 void MomentShadow::find_visibility(Tile& tile) {

@@ -26,7 +26,7 @@ void MomentTable::build(const ShadowMap& map, float far, bool parallel) {
     Moments sum{};
     for (auto& sums : sums_) sums[(std::size_t(y) + 1) * stride] = 0.0;
     for (int x = 0; x < edge_; ++x) {
-      const double z = std::clamp(normalised(map.depth[std::size_t(y) * edge_ + x]), 0.0, 1.0);
+      const double z = std::clamp(normalised(map.at(x, y)), 0.0, 1.0);
       double power = 1.0;
       for (std::size_t j = 0; j < 4; ++j) {
         power *= z;

@@ -15,7 +15,8 @@ void MultiScaleMap::allocate(int edge, int largest) {
   edge_ = edge;
   allocated_ = largest;
   const std::size_t size = std::size_t(largest + 1) * edge * edge;  // pages of it that no square fills stay untouched
-  for (auto* field : {&low_, &high_, &mean_}) *field = std::make_unique_for_overwrite<float[]>(size);
+  bounds_ = std::make_unique_for_overwrite<float[]>(2 * size);
+  mean_ = std::make_unique_for_overwrite<float[]>(size);
 }
 
 std::size_t MultiScaleMap::bytes() const {
@@ -26,17 +27,15 @@ std::size_t MultiScaleMap::bytes() const {
 
 namespace {
 
-/// Four squares of one row of offsets become one, for `count` offsets whose parts all lie on the map.
-void merge_row(const float* top, const float* bottom, int step, int count, int kind, float* out) {
-  if (kind == 0)
-    for (int x = 0; x < count; ++x)
-      out[x] = std::min(std::min(top[x], top[x + step]), std::min(bottom[x], bottom[x + step]));
-  else if (kind == 1)
-    for (int x = 0; x < count; ++x)
-      out[x] = std::max(std::max(top[x], top[x + step]), std::max(bottom[x], bottom[x + step]));
-  else
-    for (int x = 0; x < count; ++x) out[x] = 0.25f * ((top[x] + top[x + step]) + (bottom[x] + bottom[x + step]));
+/// Four squares become one, for the first `count` numbers of a row: two of the row `top` of the level before, `step`
+/// numbers apart, and two of the row `bottom`, as far below.
+template <class Merge>
+void merge_row(const float* top, const float* bottom, int step, int count, float* out, const Merge& merge) {
+  for (int x = 0; x < count; ++x) out[x] = merge(top[x], top[x + step], bottom[x], bottom[x + step]);
 }
+
+constexpr auto least = [](float a, float b, float c, float d) { return std::min(std::min(a, b), std::min(c, d)); };
+constexpr auto average = [](float a, float b, float c, float d) { return 0.25f * ((a + b) + (c + d)); };
 
 /// How many of `size` texels from `start` on lie on a map of `edge`.
 int on_map(int start, int size, int edge) {
@@ -46,31 +45,29 @@ int on_map(int start, int size, int edge) {
 }  // namespace
 
 void MultiScaleMap::build_rows(int level, int begin, int end) {
-  const int below = level - 1, step = 1 << below, from = stride(below), to = stride(level);
+  const int below = level - 1, step = 1 << below;
   const int inner = edge_ - (1 << level) + 1;  // offsets whose squares lie on the map
-  float* fields[] = {low_.get(), high_.get(), mean_.get()};
-  for (int y = begin; y < end; ++y)
-    for (int kind = 0; kind < 3; ++kind) {
-      const bool cut = y >= inner;
-      const float* top = fields[kind] + index(0, y, below);
-      const float* bottom = y + step < edge_ ? top + std::size_t(step) * from : top;
-      float* out = fields[kind] + index(0, y, level);
-      if (!cut) merge_row(top, bottom, step, inner, kind, out);
-      // Only the full layout has more: squares that stick out, their means weighted by texels on the map.
-      const float tall = float(on_map(y, step, edge_)), low = float(on_map(y + step, step, edge_));
-      for (int x = cut ? 0 : inner; x < to; ++x) {
-        const int right = x + step < edge_ ? x + step : x;
-        if (kind == 0) out[x] = std::min(std::min(top[x], top[right]), std::min(bottom[x], bottom[right]));
-        if (kind == 1) out[x] = std::max(std::max(top[x], top[right]), std::max(bottom[x], bottom[right]));
-        if (kind == 2) {
-          const float wide = float(on_map(x, step, edge_)), far = float(on_map(x + step, step, edge_));
-          const auto weighted = [](float value, float weight) { return weight > 0.0f ? weight * value : 0.0f; };
-          const float sum = weighted(top[x], wide * tall) + weighted(top[right], far * tall) +
-                            weighted(bottom[x], wide * low) + weighted(bottom[right], far * low);
-          out[x] = sum / ((wide + far) * (tall + low));
-        }
-      }
+  for (int y = begin; y < end; ++y) {
+    const std::size_t top = index(0, y, below), bottom = y + step < edge_ ? index(0, y + step, below) : top;
+    const std::size_t out = index(0, y, level);
+    const int whole = y < inner ? inner : 0;
+    merge_row(&bounds_[2 * top], &bounds_[2 * bottom], 2 * step, 2 * whole, &bounds_[2 * out], least);
+    merge_row(&mean_[top], &mean_[bottom], step, whole, &mean_[out], average);
+    // Only the full layout has more: squares that stick out, their means weighted by texels on the map.
+    const auto tall = float(on_map(y, step, edge_)), flat = float(on_map(y + step, step, edge_));
+    for (int x = whole; x < stride(level); ++x) {
+      const int right = x + step < edge_ ? step : 0;
+      const std::size_t a = top + std::size_t(x), c = bottom + std::size_t(x), b = a + right, d = c + right;
+      for (std::size_t k = 0; k < 2; ++k)
+        bounds_[2 * (out + x) + k] =
+            least(bounds_[2 * a + k], bounds_[2 * b + k], bounds_[2 * c + k], bounds_[2 * d + k]);
+      const auto wide = float(on_map(x, step, edge_)), far = float(on_map(x + step, step, edge_));
+      const auto weighted = [](float value, float weight) { return weight > 0.0f ? weight * value : 0.0f; };
+      mean_[out + x] = (weighted(mean_[a], wide * tall) + weighted(mean_[b], far * tall) +
+                        weighted(mean_[c], wide * flat) + weighted(mean_[d], far * flat)) /
+                       ((wide + far) * (tall + flat));
     }
+  }
 }
 
 void MultiScaleMap::build(const ShadowMap& map, Layout layout, int largest, bool parallel) {
@@ -78,14 +75,21 @@ void MultiScaleMap::build(const ShadowMap& map, Layout layout, int largest, bool
   layout_ = layout;
   allocate(map.resolution(), largest);
   largest_ = largest;
-  for (auto* field : {&low_, &high_, &mean_}) std::copy_n(map.depth.begin(), map.texels(), field->get());
-  for (int level = 1; level <= largest; ++level) {
-    const int rows = stride(level);
+  const auto rows_of = [&](int rows, const auto& work) {
     if (parallel)
       tbb::parallel_for(tbb::blocked_range<int>(0, rows, 16),
-                        [&](const tbb::blocked_range<int>& r) { build_rows(level, r.begin(), r.end()); });
-    else build_rows(level, 0, rows);
-  }
+                        [&](const tbb::blocked_range<int>& r) { work(r.begin(), r.end()); });
+    else work(0, rows);
+  };
+  rows_of(edge_, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < edge_; ++x) {
+        const std::size_t i = index(x, y, 0);
+        bounds_[2 * i] = mean_[i] = map.at(x, y), bounds_[2 * i + 1] = -map.at(x, y);
+      }
+  });
+  for (int level = 1; level <= largest; ++level)
+    rows_of(stride(level), [&](int begin, int end) { build_rows(level, begin, end); });
 }
 
 }  // namespace penumbra::pcss

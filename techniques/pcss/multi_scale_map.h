@@ -14,9 +14,9 @@ namespace penumbra::pcss {
 
 enum class Layout { full, reduced };
 
-/// What a square knows of its depths. Where a texel of it is empty, `high` and `mean` are infinite.
+/// Least and largest depth in a square; `high` is infinite, and so is the mean, where a texel of it is empty.
 struct DepthRange {
-  float low, high, mean;
+  float low, high;
 };
 
 class MultiScaleMap {
@@ -28,19 +28,20 @@ class MultiScaleMap {
   int largest() const { return largest_; }  ///< level
   /// Squares along an edge of a level; also its row stride.
   int stride(int level) const { return layout_ == Layout::full ? edge_ : edge_ - (1 << level) + 1; }
-  /// Index of a square in low(), high(), mean(): level by level, each at a multiple of edge^2.
+  /// Number of a square in bounds() and mean(): level by level, each from a multiple of edge^2 on.
   std::size_t index(int left, int top, int level) const {
     return std::size_t(level) * edge_ * edge_ + std::size_t(top) * stride(level) + left;
   }
-  float low(const Square& s) const { return low_[index(s.left, s.top, s.level)]; }
+  float low(const Square& s) const { return bounds_[2 * index(s.left, s.top, s.level)]; }
   DepthRange range(const Square& s) const {
     const std::size_t i = index(s.left, s.top, s.level);
-    return {low_[i], high_[i], mean_[i]};
+    return {bounds_[2 * i], -bounds_[2 * i + 1]};
   }
-  float depth(int x, int y) const { return low_[std::size_t(y) * edge_ + x]; }
-  const float* low() const { return low_.get(); }
-  const float* high() const { return high_.get(); }
-  const float* mean() const { return mean_.get(); }
+  float mean(const Square& s) const { return mean_[index(s.left, s.top, s.level)]; }
+  /// Two numbers a square: its least depth, and its largest one negated, so that both are minima. Side by side, since
+  /// who asks for one asks for the other.
+  const float* bounds() const { return bounds_.get(); }
+  const float* means() const { return mean_.get(); }
   Layout layout() const { return layout_; }
   std::size_t bytes() const;
 
@@ -50,7 +51,7 @@ class MultiScaleMap {
 
   Layout layout_ = Layout::reduced;
   int edge_ = 0, largest_ = -1, allocated_ = 0;
-  std::unique_ptr<float[]> low_, high_, mean_;
+  std::unique_ptr<float[]> bounds_, mean_;
 };
 
 /// Largest level whose squares fit a map.

@@ -18,6 +18,7 @@ Parameter scale_parameter() {
 
 std::vector<Parameter> multi_scale_parameters(const char* layout, const char* other) {
   return {choice_parameter("levels", {layout, other}, "squares of the multi-scale map: all, or those on the map"),
+          choice_parameter("build", {"needed", "all"}, "levels up to the widest region of the frame, or all"),
           choice_parameter("refine", {"on", "off"}, "shrink the search region by the least depth in it"),
           integer_parameter("depth", 3, 0, 14, "levels", "of the quadtree below a region; 14: single texels"),
           choice_parameter("snap_end", {"inclusive", "exclusive"}, "is texel ceil(x + s/2) part of a region?"),
@@ -41,6 +42,7 @@ Sum read_sum(const std::string& name) {
 void read_multi_scale(const Parameters& p, SoftOptions& options) {
   options.multi_scale = true;
   options.layout = p.text("levels") == "full" ? Layout::full : Layout::reduced;
+  options.build_all = p.text("build") == "all";
   options.refine = p.text("refine") == "on";
   options.depth = p.integer("depth");
   options.snapping = read_snapping(p);

@@ -275,7 +275,7 @@ void SearchRegions(const LightView& view, const MultiScaleMap& levels, const Sof
         const MF there = hn::RebindMask(d, hn::Gt(squares.level, SetInt(-1)));
         const MF look = hn::And(searching, there);
         const VI index = hn::IfThenElseZero(hn::RebindMask(di, look), Index(levels, squares));
-        const VF low = hn::GatherIndex(d, levels.low(), index);
+        const VF low = hn::GatherIndex(d, levels.bounds(), hn::Add(index, index));
         const MF hit = hn::And(look, hn::Lt(low, depth));
         open = hn::And(open, hn::Or(hit, hn::Not(searching)));
         const VF next = hn::Min(width, hn::Max(zero, Width(view, low, safe)));
@@ -327,7 +327,7 @@ HWY_INLINE VF DepthAt(const ShadowMap& map, VI column, VI row) {
   const VI zero = SetInt(0), end = SetInt(n);
   const auto outside = hn::Or(hn::Or(hn::Lt(column, zero), hn::Lt(row, zero)),
                               hn::Or(hn::Not(hn::Lt(column, end)), hn::Not(hn::Lt(row, end))));
-  const VI index = hn::IfThenZeroElse(outside, hn::Add(hn::Mul(row, end), column));
+  const VI index = hn::IfThenZeroElse(outside, hn::Add(hn::Mul(row, SetInt(map.stride())), column));
   return hn::IfThenElse(hn::RebindMask(d, outside), hn::Set(d, std::numeric_limits<float>::infinity()),
                         hn::GatherIndex(d, map.depth.data(), index));
 }

@@ -12,6 +12,16 @@ namespace penumbra::pcss {
 /// Widths of regions are cut to so many texels, far more than any map has.
 constexpr float most_width = 1e6f;
 
+/// Whole number at or below (above) v, |v| < 2^31; without a call to the C library where there is no such instruction.
+PENUMBRA_HD inline int floor_int(float v) {
+  const int i = int(v);
+  return i - (float(i) > v ? 1 : 0);
+}
+PENUMBRA_HD inline int ceil_int(float v) {
+  const int i = int(v);
+  return i + (float(i) < v ? 1 : 0);
+}
+
 /// Texels [left, right) x [top, bottom), not yet cut to the map.
 struct Texels {
   int left, right, top, bottom;
@@ -20,9 +30,9 @@ struct Texels {
 
 /// Texels whose centres lie within `width` of the point along an axis; at least the texel that holds it.
 PENUMBRA_HD inline void texel_range(float centre, float width, int& first, int& last) {
-  first = int(std::ceil(centre - 0.5f * width - 0.5f));
-  last = int(std::floor(centre + 0.5f * width - 0.5f)) + 1;
-  if (first >= last) first = int(std::floor(centre)), last = first + 1;
+  first = ceil_int(centre - 0.5f * width - 0.5f);
+  last = floor_int(centre + 0.5f * width - 0.5f) + 1;
+  if (first >= last) first = floor_int(centre), last = first + 1;
 }
 
 PENUMBRA_HD inline Texels texels_of(float x, float y, float width) {
@@ -48,8 +58,7 @@ struct Snapping {
 
 /// Exponent of the power of two that an edge of w >= 1 texels becomes (steps 3 and 4).
 PENUMBRA_HD inline int snapped_level(int w, Snapping::Size size) {
-  int floor_log = 0;
-  while ((w >> (floor_log + 1)) != 0) ++floor_log;
+  const int floor_log = int(std::bit_width(unsigned(w))) - 1;
   const bool power = w == 1 << floor_log;
   if (size == Snapping::Size::up) return power ? floor_log : floor_log + 1;
   const bool second_bit = floor_log > 0 && (w >> (floor_log - 1) & 1) != 0;
@@ -58,8 +67,8 @@ PENUMBRA_HD inline int snapped_level(int w, Snapping::Size size) {
 
 /// One axis of steps 1 and 2: the region's texels, cut to a map of `edge` texels; last < first if it misses the map.
 PENUMBRA_HD inline void snapped_range(float centre, float width, int edge, bool inclusive, int& first, int& last) {
-  first = int(std::floor(centre - 0.5f * width));
-  last = int(std::ceil(centre + 0.5f * width)) - (inclusive ? 0 : 1);
+  first = floor_int(centre - 0.5f * width);
+  last = ceil_int(centre + 0.5f * width) - (inclusive ? 0 : 1);
   if (last < first) last = first;  // exclusive, width 0, on a whole number: the texel itself
   first = first > 0 ? first : 0;
   last = last < edge - 1 ? last : edge - 1;
@@ -67,7 +76,7 @@ PENUMBRA_HD inline void snapped_range(float centre, float width, int edge, bool 
 
 /// Steps 5 to 7 along one axis: where the square starts, shifted onto the map.
 PENUMBRA_HD inline int snapped_start(int first, float centre, int square, int edge, bool centred) {
-  int start = centred ? int(std::floor(centre - 0.5f * float(square) + 0.5f)) : first;
+  int start = centred ? floor_int(centre - 0.5f * float(square) + 0.5f) : first;
   start = start > 0 ? start : 0;
   return start + square > edge ? edge - square : start;
 }

@@ -6,6 +6,8 @@
 
 #include <hwy/highway.h>
 
+#include <cstring>
+
 HWY_BEFORE_NAMESPACE();
 namespace penumbra::pcss::simd {
 namespace HWY_NAMESPACE {
@@ -33,7 +35,7 @@ struct GroupSum {
 // --- texels of a region ----------------------------------------------------------------------------------------------
 
 template <int vectors>
-HWY_INLINE Blockers TexelSums(const float* depth, int stride, int left, int right, int top, int bottom, float limit) {
+HWY_INLINE Blockers TexelSums(const ShadowMap& map, int left, int right, int top, int bottom, float limit) {
   const Floats d;
   const int lanes = int(hn::Lanes(d));
   const VF far = hn::Set(d, limit);
@@ -41,7 +43,7 @@ HWY_INLINE Blockers TexelSums(const float* depth, int stride, int left, int righ
   const VF one = hn::Set(d, 1.0f);
   for (int v = 0; v < vectors; ++v) sum[v] = ones[v] = hn::Zero(d);
   for (int y = top; y < bottom; ++y) {
-    const float* row = depth + std::size_t(y) * stride;
+    const float* row = &map.depth[map.index(0, y)];
     int x = left;
     for (; x + group <= right; x += group)
       for (int v = 0; v < vectors; ++v) {
@@ -78,103 +80,137 @@ Blockers BlockersOfTexels(const ShadowMap& map, const Texels& t, float d) {
   const int left = t.left > 0 ? t.left : 0, right = t.right < n ? t.right : n;
   const int top = t.top > 0 ? t.top : 0, bottom = t.bottom < n ? t.bottom : n;
   if (left >= right || top >= bottom) return {};
-  return WithVectors(
-      [&](auto vectors) { return TexelSums<vectors()>(map.depth.data(), n, left, right, top, bottom, d); });
+  return WithVectors([&](auto vectors) { return TexelSums<vectors()>(map, left, right, top, bottom, d); });
 }
 
 // --- squares of the multi-scale map ----------------------------------------------------------------------------------
 
-/// Samples of one leaf: how many block, and their depths into `sum`.
-HWY_INLINE int SampleLeaf(const float* corner, const std::int32_t* offsets, int count, float limit, GroupSum& sum) {
-  const Floats d;
-  const Ints di;
-  const int lanes = int(hn::Lanes(d));
-  int hits = 0;
-  for (int j = 0; j < count; j += lanes) {
-    const VF z = hn::GatherIndex(d, corner, hn::LoadU(di, offsets + j));
-    auto closer = hn::Lt(z, hn::Set(d, limit));
-    if (count - j < lanes) closer = hn::And(closer, hn::FirstN(d, std::size_t(count - j)));
-    hits += int(hn::CountTrue(d, closer));
-    hn::Store(hn::Add(hn::Load(d, sum.part + j), hn::IfThenElseZero(closer, z)), d, sum.part + j);
-  }
-  return hits;
+// Four numbers whatever the instruction set: a square has four quarters. They are fetched one by one, which on several
+// processors is twice as fast as a gather, into the compiler's own vectors: these stay in registers.
+typedef float Quad __attribute__((vector_size(16)));
+typedef std::int32_t QuadMask __attribute__((vector_size(16)));
+
+/// Bit k is set where the mask's number k is not 0.
+HWY_INLINE unsigned Bits(QuadMask mask) {
+#if HWY_TARGET == HWY_SCALAR
+  return unsigned((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#else
+  const hn::Full128<float> d;
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, hn::MaskFromVec(hn::LoadU(d, reinterpret_cast<const float*>(&mask))), bytes);
+  return bytes[0];
+#endif
 }
 
-struct LeafSums {
-  int whole = 0;    ///< leaves that block, or count as if
-  int samples = 0;  ///< samples that block
-  GroupSum mean, sampled;
-};
+/// Sums over the quadtree of one region, depth first.
+template <bool depths>
+class Quadtree {
+ public:
+  HWY_INLINE Quadtree(const ShadowMap& map, const MultiScaleMap& levels, const LeafSamples& samples, float limit,
+                      int leaf_level, Sum how)
+      : map_(map), levels_(levels), samples_(samples), limit_(limit), leaf_level_(leaf_level), how_(how) {}
 
-/// Looks at a group of leaves, numbers first to first + 15 of size x size in row order.
-struct LeafGrid {
-  const MultiScaleMap& map;
-  const SampleOffsets& offsets;
-  const Square square;
-  const int leaf_level, log_size;
-  const float limit;
-  const Sum how;
-
-  HWY_INLINE void Add(int first, LeafSums& sums) const {
-    const Floats d;
-    const Ints di;
-    const int lanes = int(hn::Lanes(d)), size = 1 << log_size, leaves = size * size;
-    const std::size_t base = map.index(square.left, square.top, leaf_level);
-    const VF far = hn::Set(d, limit);
-    for (int j = 0; j < group && first + j < leaves; j += lanes) {
-      const VI k = hn::Min(hn::Iota(di, first + j), hn::Set(di, leaves - 1));
-      const VI row = hn::Shr(k, hn::Set(di, log_size)), column = hn::And(k, hn::Set(di, size - 1));
-      const VI at =
-          hn::Shl(hn::Add(hn::Mul(row, hn::Set(di, map.stride(leaf_level))), column), hn::Set(di, leaf_level));
-      auto there = hn::FirstN(d, std::size_t(leaves - first - j));
-      const VF low = hn::GatherIndex(d, map.low() + base, at), high = hn::GatherIndex(d, map.high() + base, at);
-      const auto whole = hn::And(there, hn::Lt(high, far));
-      const auto some = hn::And(there, hn::AndNot(whole, hn::Lt(low, far)));
-      sums.whole += int(hn::CountTrue(d, whole));
-      VF mean = hn::Load(d, sums.mean.part + j);
-      if (!hn::AllFalse(d, whole))
-        mean = hn::Add(mean, hn::IfThenElseZero(whole, hn::GatherIndex(d, map.mean() + base, at)));
-      if (!hn::AllFalse(d, some)) {
-        if (how == Sum::nearest) {
-          sums.whole += int(hn::CountTrue(d, some));
-          mean = hn::Add(mean, hn::IfThenElseZero(some, low));
-        } else {
-          AddSamples(first + j, some, sums);
-        }
+  /// `root`: undecided, above leaf_level.
+  HWY_INLINE Blockers Add(const Square& root) {
+    Square open[4 * 16];  // at most three squares wait on each level
+    int count = 0;
+    open[count++] = root;
+    while (count > 0) {
+      const Square node = open[--count];
+      const int level = node.level - 1, half = 1 << level;
+      const std::size_t at = levels_.index(node.left, node.top, level);
+      const std::size_t down = std::size_t(half) * std::size_t(levels_.stride(level));
+      const std::size_t quarter[4] = {at, at + std::size_t(half), at + down, at + down + std::size_t(half)};
+      unsigned whole, some;
+      Look(quarter, whole, some);
+      AddWhole(quarter, whole, float(half) * float(half));
+      const Square child[4] = {{node.left, node.top, level},
+                               {node.left + half, node.top, level},
+                               {node.left, node.top + half, level},
+                               {node.left + half, node.top + half, level}};
+      for (unsigned k = 0; k < 4; ++k) {  // a list without branches: only undecided ones advance its end
+        open[count] = child[k];
+        count += int(some >> k & 1u);
       }
-      hn::Store(mean, d, sums.mean.part + j);
+      if (level == leaf_level_)
+        for (; some != 0; some &= some - 1) AddLeaf(open[--count]);
     }
+    return found_;
   }
 
-  HWY_INLINE void AddSamples(int first, hn::Mask<Floats> some, LeafSums& sums) const {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(Floats(), some, bytes);
-    unsigned bits = bytes[0] | unsigned(bytes[1]) << 8;
-    const int edge = 1 << leaf_level, mask = (1 << log_size) - 1, count = SampleImage::count(edge);
-    for (; bits != 0; bits &= bits - 1) {
-      const int k = first + std::countr_zero(bits);
-      const int left = square.left + ((k & mask) << leaf_level), top = square.top + ((k >> log_size) << leaf_level);
-      const int variant = (left + top + edge) % SampleImage::variants;
-      sums.samples += SampleLeaf(map.low() + std::size_t(top) * map.edge() + left, offsets.of(leaf_level, variant),
-                                 count, limit, sums.sampled);
-    }
+  HWY_INLINE void AddLeaf(const Square& leaf) {
+    const Blockers inside = how_ == Sum::nearest ? nearest_leaf(leaf, {levels_.low(leaf), 0.0f}) : Sampled(leaf);
+    found_.count += inside.count, found_.depth_sum += inside.depth_sum;
   }
+  Blockers found() const { return found_; }
+
+ private:
+  /// Which of four squares block as a whole, and which are undecided.
+  HWY_INLINE void Look(const std::size_t* square, unsigned& whole, unsigned& some) const {
+    typedef double Pairs __attribute__((vector_size(16)));
+    const auto pair = [&](std::size_t i) {  // the two bounds of a square as they lie
+      double both;
+      std::memcpy(&both, levels_.bounds() + 2 * i, sizeof both);
+      return both;
+    };
+    const Quad a = Quad(Pairs{pair(square[0]), pair(square[1])}), b = Quad(Pairs{pair(square[2]), pair(square[3])});
+    const Quad low = __builtin_shuffle(a, b, QuadMask{0, 2, 4, 6}),
+               high = __builtin_shuffle(a, b, QuadMask{1, 3, 5, 7});
+    whole = Bits(high > -limit_);  // high is negated
+    some = Bits(low < limit_) & ~whole;
+  }
+
+  HWY_INLINE void AddWhole(const std::size_t* square, unsigned whole, float texels) {
+    found_.count += texels * float(std::popcount(whole));
+    if constexpr (depths)
+      for (; whole != 0; whole &= whole - 1)
+        found_.depth_sum += texels * levels_.means()[square[std::countr_zero(whole)]];
+  }
+
+  HWY_INLINE Blockers Sampled(const Square& leaf) const {
+    const int edge = leaf.edge(), count = SampleImage::count(edge);
+    const std::int32_t* offset = samples_.of(leaf.level, (leaf.left + leaf.top + edge) % SampleImage::variants);
+    const float* corner = &map_.depth[map_.index(leaf.left, leaf.top)];
+    const float scale = float(edge * edge) / float(count);
+    if (count < 4) return corner[*offset] < limit_ ? Blockers{scale, scale * corner[*offset]} : Blockers{};
+    int hits = 0;
+    Quad sum = {};
+    for (int k = 0; k < count; k += 4) {
+      const Quad z = {corner[offset[k]], corner[offset[k + 1]], corner[offset[k + 2]], corner[offset[k + 3]]};
+      const QuadMask closer = z < limit_;
+      hits += std::popcount(Bits(closer));
+      if constexpr (depths) sum += Quad(closer & QuadMask(z));
+    }
+    return {scale * float(hits), depths ? scale * ((sum[0] + sum[1]) + (sum[2] + sum[3])) : 0.0f};
+  }
+
+  const ShadowMap& map_;
+  const MultiScaleMap& levels_;
+  const LeafSamples& samples_;
+  const float limit_;
+  const int leaf_level_;
+  const Sum how_;
+  Blockers found_;
 };
 
-Blockers BlockersOfSquare(const MultiScaleMap& map, const SampleOffsets& offsets, const Square& square, int depth,
-                          float d, Sum how) {
-  const DepthRange range = map.range(square);
+template <bool depths>
+HWY_INLINE Blockers SumSquare(const ShadowMap& map, const MultiScaleMap& levels, const LeafSamples& samples,
+                              const Square& square, int depth, float d, Sum how) {
+  const DepthRange range = levels.range(square);
   const auto texels = float(square.edge() * square.edge());
-  if (range.high < d) return {texels, texels * range.mean};
+  if (range.high < d) return {texels, depths ? texels * levels.mean(square) : 0.0f};
   if (!(range.low < d)) return {};
-  const int leaf_level = square.level > depth ? square.level - depth : 0, log_size = square.level - leaf_level;
-  const LeafGrid grid{map, offsets, square, leaf_level, log_size, d, how};
-  LeafSums sums;
-  for (int first = 0; first < 1 << (2 * log_size); first += group) grid.Add(first, sums);
-  const int edge = 1 << leaf_level;
-  const float each = float(edge * edge), scale = each / float(SampleImage::count(edge));
-  return {each * float(sums.whole) + scale * float(sums.samples),
-          each * sums.mean.total() + (sums.samples > 0 ? scale * sums.sampled.total() : 0.0f)};
+  const int leaf_level = square.level > depth ? square.level - depth : 0;
+  Quadtree<depths> tree(map, levels, samples, d, leaf_level, how);
+  if (square.level > leaf_level) return tree.Add(square);
+  tree.AddLeaf(square);
+  return tree.found();
+}
+
+Blockers BlockersOfSquare(const ShadowMap& map, const MultiScaleMap& levels, const LeafSamples& samples,
+                          const Square& square, int depth, float d, Sum how, bool depths) {
+  return depths ? SumSquare<true>(map, levels, samples, square, depth, d, how)
+                : SumSquare<false>(map, levels, samples, square, depth, d, how);
 }
 
 // --- blur ------------------------------------------------------------------------------------------------------------
@@ -240,17 +276,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace penumbra::pcss::simd {
 
-SampleOffsets::SampleOffsets(const SampleImage& image, int map_edge) : map_edge_(map_edge) {
-  for (int level = 0; level <= largest_level(map_edge); ++level)
-    for (int variant = 0; variant < SampleImage::variants; ++variant) {
-      const int edge = 1 << level, count = SampleImage::count(edge), first = SampleImage::first(edge);
-      for (int k = 0; k < 16; ++k) {
-        const vec2 at = image.position[variant][first + k % count] * float(edge);
-        offset_.push_back(int(at.y) * map_edge + int(at.x));
-      }
-    }
-}
-
 HWY_EXPORT(BlockersOfTexels);
 HWY_EXPORT(BlockersOfSquare);
 HWY_EXPORT(BlurRows);
@@ -259,9 +284,9 @@ HWY_EXPORT(BlurColumns);
 Blockers blockers_of_texels(const ShadowMap& map, const Texels& texels, float d) {
   return HWY_DYNAMIC_DISPATCH(BlockersOfTexels)(map, texels, d);
 }
-Blockers blockers_of_square(const MultiScaleMap& map, const SampleOffsets& samples, const Square& square, int depth,
-                            float d, Sum how) {
-  return HWY_DYNAMIC_DISPATCH(BlockersOfSquare)(map, samples, square, depth, d, how);
+Blockers blockers_of_square(const ShadowMap& map, const MultiScaleMap& levels, const LeafSamples& samples,
+                            const Square& square, int depth, float d, Sum how, bool depths) {
+  return HWY_DYNAMIC_DISPATCH(BlockersOfSquare)(map, levels, samples, square, depth, d, how, depths);
 }
 void blur_rows(const MaskedImage& in, const std::vector<float>& kernel, int begin, int end, MaskedImage& out) {
   HWY_DYNAMIC_DISPATCH(BlurRows)(in, kernel, begin, end, out);

@@ -55,7 +55,7 @@ void RotatedShadow::find_visibility(Tile& tile) {
   const auto depth_at = [&](vec2 at) {  // outside the map nothing blocks
     if (!(at.x >= 0.0f && at.y >= 0.0f && at.x < float(n) && at.y < float(n)))
       return std::numeric_limits<float>::infinity();
-    return map_.depth[std::size_t(int(at.y)) * n + int(at.x)];
+    return map_.at(int(at.x), int(at.y));
   };
   std::vector<float> u, v;
   timed(project_part, [&] { find_turns(tile, u, v); });

@@ -10,7 +10,7 @@ namespace penumbra::pcss {
 void trace(const RayScene& rays, ShadowMap& map) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   const int n = map.resolution();
-  map.depth.assign(map.texels() + 16, infinity);
+  map.depth.assign(map.index(0, n), infinity);
   // Blocks of 4 x 4 texels: their rays stay together longer than a row's.
   constexpr int block = 4;
   static_assert(block * block == RayPacket::size);
@@ -18,12 +18,13 @@ void trace(const RayScene& rays, ShadowMap& map) {
   tbb::parallel_for(0, blocks, [&](int by) {
     for (int bx = 0; bx < blocks; ++bx) {
       RayPacket packet = {};
-      int texel[RayPacket::size], count = 0;
+      std::size_t texel[RayPacket::size];
+      int count = 0;
       for (int k = 0; k < RayPacket::size; ++k) {
         const int x = bx * block + k % block, y = by * block + k / block;
         if (x >= n || y >= n) continue;
         packet.set(count, map.view.ray_origin(x, y), map.view.ray_direction(x, y), infinity);
-        texel[count++] = y * n + x;
+        texel[count++] = map.index(x, y);
       }
       if (!rays.meets_box(packet, count)) continue;
       float depth[RayPacket::size];

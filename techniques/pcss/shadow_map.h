@@ -10,10 +10,14 @@ namespace penumbra::pcss {
 
 struct ShadowMap {
   LightView view;
-  std::vector<float> depth;  ///< m along the light's normal; infinity where nothing is; resolution^2 in row order, and
-                             ///< 16 more so that a vector can be loaded from any texel
+  std::vector<float> depth;  ///< m along the light's normal; infinity where nothing is; resolution rows of stride()
+
   int resolution() const { return view.resolution; }
-  std::size_t texels() const { return std::size_t(view.resolution) * view.resolution; }
+  /// Rows are a cache line longer than the map: texels one above the other then fall into different sets of a cache,
+  /// and a vector can be loaded from any texel.
+  int stride() const { return view.resolution + 16; }
+  std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(stride()) + std::size_t(x); }
+  float at(int x, int y) const { return depth[index(x, y)]; }
 };
 
 /// Traces map.view; rays through texel centres, packets of 16, rows in parallel.

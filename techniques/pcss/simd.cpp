@@ -37,29 +37,21 @@ class SoftShadowSimd final : public Simd<SoftShadow> {
   using Simd::Simd;
 
  protected:
-  void map_changed() override {
-    SoftShadow::map_changed();
-    if (offsets_.map_edge() != map_.resolution()) offsets_ = simd::SampleOffsets(samples_, map_.resolution());
-  }
   void find_regions(Tile& tile) const override {
     if (options_.overlap) return SoftShadow::find_regions(tile);  // four look-ups of sizes of their own
     simd::search_regions(map_.view, levels_, options_, tile);
   }
   void make_filter_regions(Tile& tile) const override { simd::filter_regions(map_.view, levels_, options_, tile); }
-  Blockers blockers_in(const Tile& tile, int k, Sum how) const override {
+  Blockers blockers_in(const Tile& tile, int k, Sum how, bool depths) const override {
     const float d = tile.depth[k];
     if (how == Sum::texels) return simd::blockers_of_texels(map_, texels_of(tile.x[k], tile.y[k], tile.width[k]), d);
-    if (options_.depth > simd::most_depth) return SoftShadow::blockers_in(tile, k, how);  // too many leaves
-    return simd::blockers_of_square(levels_, offsets_, tile.square[k], options_.depth, d, how);
+    return simd::blockers_of_square(map_, levels_, samples_, tile.square[k], options_.depth, d, how, depths);
   }
   void blur_image(const MaskedImage& image, MaskedImage& between, std::vector<float>& out) const override {
     for_ranges(image.height, 8, [&](int begin, int end) { simd::blur_rows(image, kernel_, begin, end, between); });
     for_ranges(image.height, 8,
                [&](int begin, int end) { simd::blur_columns(between, kernel_, begin, end, out.data()); });
   }
-
- private:
-  simd::SampleOffsets offsets_;
 };
 
 class RotatedShadowSimd final : public Simd<RotatedShadow> {

@@ -20,9 +20,10 @@ int SoftShadow::tile_multiple() const {
 void SoftShadow::map_changed() {
   if (!options_.multi_scale) return;
   const LightView& view = map_.view;
-  const float widest = std::max(1.0f, options_.filter_scale) * view.width(view.near, farthest_receiver());
-  clock_.measure("levels",
-                 [&] { levels_.build(map_, options_.layout, needed_level(widest, view.resolution), parallel_); });
+  if (samples_.stride() != map_.stride()) samples_ = LeafSamples(make_sample_image(), map_);
+  const float widest = std::max(1.0f, options_.filter_scale) * view.widest();
+  const int largest = options_.build_all ? largest_level(view.resolution) : needed_level(widest, view.resolution);
+  clock_.measure("levels", [&] { levels_.build(map_, options_.layout, largest, parallel_); });
 }
 
 // --- step 1: search regions ------------------------------------------------------------------------------------------
@@ -82,29 +83,30 @@ void SoftShadow::find_regions(Tile& tile) const {
 
 // --- steps 2 and 4: blockers in a region -----------------------------------------------------------------------------
 
-Blockers SoftShadow::blockers_in(const Tile& tile, int k, Sum how) const {
+Blockers SoftShadow::blockers_in(const Tile& tile, int k, Sum how, bool depths) const {
   const float d = tile.depth[k];
   if (how == Sum::texels) return blockers_of_texels(map_, texels_of(tile.x[k], tile.y[k], tile.width[k]), d);
   const Square& square = tile.square[k];
   const int leaf_level = std::max(0, square.level - options_.depth);
   Blockers found;
-  if (how == Sum::nearest) traverse(levels_, square, leaf_level, d, nearest_leaf, found);
-  else
-    traverse(
-        levels_, square, leaf_level, d,
-        [&](const Square& leaf, const DepthRange&) { return sampled_leaf(levels_, samples_, leaf, d); }, found);
+  const auto sum = [&](const auto& leaf) {
+    if (depths) traverse<true>(levels_, square, leaf_level, d, leaf, found);
+    else traverse<false>(levels_, square, leaf_level, d, leaf, found);
+  };
+  if (how == Sum::nearest) sum(nearest_leaf);
+  else sum([&](const Square& leaf, const DepthRange&) { return sampled_leaf(map_, samples_, leaf, d); });
   return found;
 }
 
 void SoftShadow::find_blockers(Tile& tile) const {
   for (int k = 0; k < tile.size(); ++k)
-    if (tile.representative[k] == k) tile.blocker[k] = blockers_in(tile, k, options_.search).mean();
+    if (tile.representative[k] == k) tile.blocker[k] = blockers_in(tile, k, options_.search, true).mean();
 }
 
 void SoftShadow::filter(Tile& tile) const {
   for (int k = 0; k < tile.size(); ++k) {
     if (tile.representative[k] != k) continue;
-    const float blocked = blockers_in(tile, k, options_.filter).count;
+    const float blocked = blockers_in(tile, k, options_.filter, false).count;
     const float all = options_.filter == Sum::texels ? float(texels_of(tile.x[k], tile.y[k], tile.width[k]).count())
                                                      : float(tile.square[k].edge() * tile.square[k].edge());
     tile.visibility[k] = 1.0f - blocked / all;

@@ -24,6 +24,7 @@ enum class Sum { texels, nearest, sampled };
 struct SoftOptions {
   bool multi_scale = false;  ///< a multi-scale map is there
   Layout layout = Layout::reduced;
+  bool build_all = false;  ///< all levels, not only those that the frame's regions need
   bool refine = false;
   bool overlap = false;  ///< refinement looks at four overlapping squares that cover the region exactly
   Sum search = Sum::texels, filter = Sum::texels;
@@ -54,12 +55,12 @@ class SoftShadow : public AreaShadow {
   virtual void find_regions(Tile& tile) const;         ///< depth, x, y -> width, square, representative
   virtual void make_filter_regions(Tile& tile) const;  ///< blocker -> width, square, representative
   virtual void blur_image(const MaskedImage& image, MaskedImage& between, std::vector<float>& out) const;
-  /// Of the region of receiver k.
-  virtual Blockers blockers_in(const Tile& tile, int k, Sum how) const;
+  /// Of the region of receiver k. Where `depths` is false only their number is asked for.
+  virtual Blockers blockers_in(const Tile& tile, int k, Sum how, bool depths) const;
 
   const SoftOptions options_;
   MultiScaleMap levels_;
-  SampleImage samples_ = make_sample_image();
+  LeafSamples samples_;
   std::vector<float> kernel_;  ///< of the blur
 
  private:

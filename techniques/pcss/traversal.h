@@ -25,7 +25,7 @@ inline Blockers blockers_of_texels(const ShadowMap& map, const Texels& t, float 
   Blockers found;
   for (int y = std::max(t.top, 0); y < std::min(t.bottom, n); ++y)
     for (int x = std::max(t.left, 0); x < std::min(t.right, n); ++x) {
-      const float z = map.depth[std::size_t(y) * n + x];
+      const float z = map.at(x, y);
       if (z < d) found.add(1.0f, z);
     }
   return found;
@@ -37,27 +37,43 @@ inline Blockers nearest_leaf(const Square& leaf, const DepthRange& range) {
   return {texels, texels * range.low};
 }
 
+/// Where the samples of a leaf lie on a shadow map, from the texel of its corner: SampleImage scaled once to every
+/// size.
+class LeafSamples {
+ public:
+  LeafSamples() = default;
+  LeafSamples(const SampleImage& image, const ShadowMap& map);
+  /// 16 offsets of a leaf of 2^level texels; SampleImage::count() of them count.
+  const std::int32_t* of(int level, int variant) const {
+    return &offset_[std::size_t(level * SampleImage::variants + variant) * 16];
+  }
+  int stride() const { return stride_; }  ///< of the maps that they are for
+
+ private:
+  int stride_ = 0;
+  std::vector<std::int32_t> offset_;
+};
+
 /// Leaf rule of Zhu et al. 2019, equations 5 and 6: the share of samples that block, times the leaf's texels.
-inline Blockers sampled_leaf(const MultiScaleMap& map, const SampleImage& samples, const Square& leaf, float d) {
+inline Blockers sampled_leaf(const ShadowMap& map, const LeafSamples& samples, const Square& leaf, float d) {
   const int edge = leaf.edge(), count = SampleImage::count(edge);
   // (x + y) mod 8 of the leaf's centre.
-  const auto& set = samples.position[(leaf.left + leaf.top + edge) % SampleImage::variants];
+  const std::int32_t* offset = samples.of(leaf.level, (leaf.left + leaf.top + edge) % SampleImage::variants);
+  const float* corner = &map.depth[map.index(leaf.left, leaf.top)];
   Blockers found;
-  for (int k = SampleImage::first(edge); k < SampleImage::first(edge) + count; ++k) {
-    const float z = map.depth(leaf.left + int(set[k].x * float(edge)), leaf.top + int(set[k].y * float(edge)));
-    if (z < d) found.add(1.0f, z);
-  }
+  for (int k = 0; k < count; ++k)
+    if (const float z = corner[offset[k]]; z < d) found.add(1.0f, z);
   const float scale = float(edge * edge) / float(count);
   return {scale * found.count, scale * found.depth_sum};
 }
 
-/// `leaf(square, range)` gives the blockers of an undecided leaf.
-template <class Leaf>
+/// `leaf(square, range)` gives the blockers of an undecided leaf. Without `depths` only texels are counted.
+template <bool depths, class Leaf>
 void traverse(const MultiScaleMap& map, const Square& node, int leaf_level, float d, const Leaf& leaf,
               Blockers& found) {
   const DepthRange range = map.range(node);
   if (range.high < d) {
-    found.add(float(node.edge() * node.edge()), range.mean);
+    found.add(float(node.edge() * node.edge()), depths ? map.mean(node) : 0.0f);
   } else if (range.low < d) {
     if (node.level <= leaf_level) {
       const Blockers inside = leaf(node, range);
@@ -67,7 +83,7 @@ void traverse(const MultiScaleMap& map, const Square& node, int leaf_level, floa
     const int half = node.edge() / 2;
     for (const int y : {0, half})
       for (const int x : {0, half})
-        traverse(map, {node.left + x, node.top + y, node.level - 1}, leaf_level, d, leaf, found);
+        traverse<depths>(map, {node.left + x, node.top + y, node.level - 1}, leaf_level, d, leaf, found);
   }
 }
 
