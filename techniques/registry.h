@@ -27,6 +27,8 @@ struct Entry {
   /// Relative RMSE up to which a backend may differ from its scalar twin: rounding, and texels or rays that rounding
   /// moves across a silhouette.
   double parity = 1e-5;
+  /// Receivers farther apart than this in their image do not affect each other; 0: each stands alone.
+  int reach = 0;
   /// Empty if it can run here, else why not ("no CUDA device").
   std::string unavailable = {};
 

@@ -1,5 +1,6 @@
 #include "techniques/pcss/light_view.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>

@@ -43,6 +43,13 @@ struct LightView {
     return (perspective ? spread * (1.0f / z - 1.0f / d) : spread * (d - z)) / texel;
   }
 
+  /// The region's width as it is used: not negative, and cut to the map, which holds every blocker that is wanted
+  /// unless it is cut itself or its margin is less than 1. `scale` is the c of Zhu et al. 2019.
+  PENUMBRA_HD float region(float z, float d, float scale = 1.0f) const {
+    const float wanted = scale * width(z, d), most = float(resolution);
+    return wanted > 0.0f ? (wanted < most ? wanted : most) : 0.0f;
+  }
+
   /// Of any region that a receiver searches for blockers.
   float widest() const { return farthest > near ? width(near, farthest) : 0.0f; }
 

@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "techniques/pcss/moment_kernel.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 
-#include <hwy/highway.h>
+#include "techniques/pcss/region-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace penumbra::pcss::simd {
@@ -23,30 +23,16 @@ HWY_INLINE VD Set(double v) {
   return hn::Set(Doubles(), v);
 }
 
-/// LightView::width, in floats as there.
-HWY_INLINE VF Width(const LightView& view, VF z, VF depth) {
-  const Floats d;
-  const VF one = hn::Set(d, 1.0f);
-  const VF span = view.perspective ? hn::Sub(hn::Div(one, z), hn::Div(one, depth)) : hn::Sub(depth, z);
-  return hn::Div(hn::Mul(hn::Set(d, view.spread), span), hn::Set(d, view.texel));
-}
-
 struct Range {
   VL first, last;     ///< cut to the map
   VD length, inside;  ///< texels before and after that
 };
 
 /// texel_range, and what of it lies on the map.
-HWY_INLINE Range TexelRange(VF centre, VF width, int edge) {
-  const Floats d;
+HWY_INLINE Range MapRange(VF centre, VF width, int edge) {
   const Ints di;
-  const VF half = hn::Mul(hn::Set(d, 0.5f), width), middle = hn::Set(d, 0.5f);
-  auto first = hn::ConvertTo(di, hn::Ceil(hn::Sub(hn::Sub(centre, half), middle)));
-  auto last = hn::ConvertTo(di, hn::Add(hn::Floor(hn::Sub(hn::Add(centre, half), middle)), hn::Set(d, 1.0f)));
-  const auto own = hn::ConvertTo(di, hn::Floor(centre));
-  const auto none = hn::Not(hn::Lt(first, last));
-  first = hn::IfThenElse(none, own, first);
-  last = hn::IfThenElse(none, hn::Add(own, hn::Set(di, 1)), last);
+  hn::Vec<Ints> first, last;
+  TexelRange(centre, width, first, last);
   const auto zero = hn::Set(di, 0), end = hn::Set(di, edge);
   const auto cut_first = hn::Min(hn::Max(first, zero), end), cut_last = hn::Min(hn::Max(last, zero), end);
   const Doubles dd;
@@ -54,15 +40,15 @@ HWY_INLINE Range TexelRange(VF centre, VF width, int edge) {
           hn::PromoteTo(dd, hn::Sub(cut_last, cut_first))};
 }
 
-struct Region {
+struct MeanPowers {
   VD b[4];
 };
 
 /// MomentTable::mean and biased().
-HWY_INLINE Region MeanMoments(const MomentTable& table, VF x, VF y, VF width, double bias) {
+HWY_INLINE MeanPowers MeanMoments(const MomentTable& table, VF x, VF y, VF width, double bias) {
   const Doubles d;
   const int edge = table.edge();
-  const Range across = TexelRange(x, width, edge), down = TexelRange(y, width, edge);
+  const Range across = MapRange(x, width, edge), down = MapRange(y, width, edge);
   const VD count = hn::Mul(across.length, down.length);
   const VD outside = hn::Sub(count, hn::Mul(across.inside, down.inside));
   // Row starts by shifts and additions: 64-bit products are slow or missing.
@@ -71,14 +57,14 @@ HWY_INLINE Region MeanMoments(const MomentTable& table, VF x, VF y, VF width, do
     return hn::ConvertTo(Longs(), product);
   };
   const VL top = row(down.first), bottom = row(down.last);
-  Region out;
+  MeanPowers out;
   for (int j = 0; j < 4; ++j) {
     const double* s = table.sums(j);
     const auto at = [&](VL r, VL c) { return hn::GatherIndex(d, s, hn::Add(r, c)); };
     const VD sum = hn::Sub(hn::Sub(at(bottom, across.last), at(bottom, across.first)),
                            hn::Sub(at(top, across.last), at(top, across.first)));
     const VD b = hn::Div(hn::Add(sum, outside), count);
-    out.b[j] = hn::Add(b, hn::Mul(Set(bias), hn::Sub(Set(0.5), b)));
+    out.b[j] = hn::Add(b, hn::Mul(Set(bias), hn::Sub(Set(1.0 / (j + 2)), b)));
   }
   return out;
 }
@@ -88,7 +74,7 @@ struct Found {
 };
 
 /// blockers_of_moments().
-HWY_INLINE Found BlockersOfMoments(const Region& m, VD z0) {
+HWY_INLINE Found BlockersOfMoments(const MeanPowers& m, VD z0) {
   const VD one = Set(1.0), zero = Set(0.0);
   const VD b0 = m.b[0], b1 = m.b[1];
   const VD d22 = hn::Sub(b1, hn::Mul(b0, b0)), l32d22 = hn::Sub(m.b[2], hn::Mul(b0, b1));
@@ -121,14 +107,14 @@ HWY_INLINE VD Normalised(const MomentTable& table, VF z) {
 
 void MomentBlockers(const LightView& view, const MomentTable& table, double bias, Tile& tile) {
   const Floats d;
-  const VF near = hn::Set(d, view.near), zero = hn::Zero(d), most = hn::Set(d, most_width);
+  const VF near = hn::Set(d, view.near), zero = hn::Zero(d);
   for (int k = 0; k < tile.size(); k += int(hn::Lanes(d))) {
     const VF depth = hn::LoadU(d, &tile.depth[k]);
     const auto open = hn::Gt(depth, near);
     VF blocker = zero;
     if (!hn::AllFalse(d, open)) {
-      const VF width = hn::Min(hn::Max(zero, Width(view, near, hn::Max(depth, near))), most);
-      const Region region = MeanMoments(table, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]), width, bias);
+      const VF width = Region(view, near, hn::Max(depth, near));
+      const MeanPowers region = MeanMoments(table, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]), width, bias);
       const Found found = BlockersOfMoments(region, Normalised(table, depth));
       const VD z = hn::Add(Set(table.near()), hn::Div(found.mean, Set(table.scale())));
       const VF share = hn::DemoteTo(d, found.share);
@@ -146,10 +132,8 @@ void MomentFilter(const LightView& view, const MomentTable& table, double bias, 
     const auto some = hn::And(hn::Gt(blocker, zero), hn::Lt(blocker, depth));
     VF visibility = one;
     if (!hn::AllFalse(d, some)) {
-      const VF width =
-          hn::Mul(hn::Set(d, scale), Width(view, hn::IfThenElse(some, blocker, one), hn::IfThenElse(some, depth, one)));
-      const Region region = MeanMoments(table, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]),
-                                        hn::Min(width, hn::Set(d, most_width)), bias);
+      const VF width = Region(view, hn::IfThenElse(some, blocker, one), hn::IfThenElse(some, depth, one), scale);
+      const MeanPowers region = MeanMoments(table, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]), width, bias);
       const Found found = BlockersOfMoments(region, Normalised(table, depth));
       visibility = hn::IfThenElse(some, hn::DemoteTo(d, hn::Sub(Set(1.0), found.share)), one);
     }

@@ -19,7 +19,9 @@ void for_each(int count, bool parallel, const Work& work) {
 void MomentTable::build(const ShadowMap& map, float far, bool parallel) {
   edge_ = map.resolution();
   near_ = double(map.view.near);
-  scale_ = double(far) > near_ ? 1.0 / (double(far) - near_) : 1.0;
+  // Empty texels lie a quarter behind the farthest receiver: the answer is unstable where a receiver's depth is also
+  // one of the region's.
+  scale_ = double(far) > near_ ? 0.8 / (double(far) - near_) : 1.0;
   const std::size_t stride = std::size_t(edge_) + 1;
   for (auto& sums : sums_) sums.resize(stride * stride), std::fill_n(sums.begin(), stride, 0.0);
   for_each(edge_, parallel, [&](int y) {  // along rows

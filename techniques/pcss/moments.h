@@ -13,7 +13,7 @@
 
 namespace penumbra::pcss {
 
-/// Depth in [0, 1] between the nearest occluder and the farthest receiver, b_j = mean of depth^j.
+/// Depth from 0 at the nearest occluder to 0.8 at the farthest receiver, at most 1; b_j = mean of depth^j.
 using Moments = std::array<double, 4>;
 
 /// Summed-area table (Crow 1984) of four powers of depth; (edge + 1)^2 entries, the first row and column 0.
@@ -42,10 +42,11 @@ struct ThreeDepths {
   double z1, z2, weight0, weight1;
 };
 
-/// `bias` in (0, 1) mixes in the moments of two depths 0 and 1, so that b stays valid whatever was rounded.
+/// `bias` in (0, 1) mixes in the moments of all depths alike, so that no region has only one depth or two: the equations
+/// would be singular, and rounding decide.
 PENUMBRA_HD inline Moments biased(const Moments& b, double bias) {
   Moments out{};
-  for (int j = 0; j < 4; ++j) out[std::size_t(j)] = b[std::size_t(j)] + bias * (0.5 - b[std::size_t(j)]);
+  for (int j = 0; j < 4; ++j) out[std::size_t(j)] = b[std::size_t(j)] + bias * (1.0 / (j + 2) - b[std::size_t(j)]);
   return out;
 }
 

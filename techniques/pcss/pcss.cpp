@@ -15,6 +15,7 @@ struct Member {
   const char *name, *summary, *citation;
   std::vector<Parameter> parameters;
   Maker scalar, simd;
+  int reach = 0;
 };
 
 template <class Shadow>
@@ -35,7 +36,7 @@ std::vector<Member> members() {
       {"hqepcss", "refined search region, blocker depth by a quadtree over a multi-scale map", "Shen et al. 2014",
        hqepcss_parameters(), scalar_soft(hqepcss_options), simd_soft_shadow(hqepcss_options)},
       {"fast-pcss", "reduced multi-scale map, sampled quadtrees, results shared by neighbours, blur", "Zhu et al. 2019",
-       fast_pcss_parameters(), scalar_soft(fast_pcss_options), simd_soft_shadow(fast_pcss_options)},
+       fast_pcss_parameters(), scalar_soft(fast_pcss_options), simd_soft_shadow(fast_pcss_options), most_blur},
       {"pcss-rotated", "few samples in both regions, turned at every receiver",
        "Fernando 2005; Jimenez 2014 (interleaved gradient noise)", RotatedShadow::parameters(), scalar<RotatedShadow>(),
        simd_rotated_shadow()},
@@ -58,6 +59,7 @@ void register_pcss(Registry& registry) {
       entry.lights = {false, true};
       entry.parameters = member.parameters;
       entry.make = simd ? member.simd : member.scalar;
+      entry.reach = member.reach;
       entry.parity = 1e-3;  // a rounding may move a region's edge by a texel
       registry.add(std::move(entry));
     }

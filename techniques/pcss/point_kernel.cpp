@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 
 #include <hwy/contrib/math/math-inl.h>
-#include <hwy/highway.h>
+#include "techniques/pcss/region-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace penumbra::pcss::simd {
@@ -164,26 +164,6 @@ HWY_INLINE VI SetInt(int v) {
   return hn::Set(Ints(), v);
 }
 
-/// LightView::width.
-HWY_INLINE VF Width(const LightView& view, VF z, VF depth) {
-  const Floats d;
-  const VF one = hn::Set(d, 1.0f);
-  const VF span = view.perspective ? hn::Sub(hn::Div(one, z), hn::Div(one, depth)) : hn::Sub(depth, z);
-  return hn::Div(hn::Mul(hn::Set(d, view.spread), span), hn::Set(d, view.texel));
-}
-
-/// texel_range.
-HWY_INLINE void TexelRange(VF centre, VF width, VI& first, VI& last) {
-  const Floats d;
-  const VF half = hn::Mul(hn::Set(d, 0.5f), width), middle = hn::Set(d, 0.5f);
-  first = CeilInt(hn::Sub(hn::Sub(centre, half), middle));
-  last = hn::Add(FloorInt(hn::Sub(hn::Add(centre, half), middle)), SetInt(1));
-  const VI own = FloorInt(centre);
-  const auto none = hn::Not(hn::Lt(first, last));
-  first = hn::IfThenElse(none, own, first);
-  last = hn::IfThenElse(none, hn::Add(own, SetInt(1)), last);
-}
-
 struct Squares {
   VI left, top, level;
 };
@@ -255,12 +235,12 @@ void SearchRegions(const LightView& view, const MultiScaleMap& levels, const Sof
   const Floats d;
   const Ints di;
   const int n = view.resolution;
-  const VF zero = hn::Zero(d), near = hn::Set(d, view.near), most = hn::Set(d, most_width);
+  const VF near = hn::Set(d, view.near);
   for (int k = 0; k < tile.size(); k += int(hn::Lanes(d))) {
     const VF x = hn::LoadU(d, &tile.x[k]), y = hn::LoadU(d, &tile.y[k]), depth = hn::LoadU(d, &tile.depth[k]);
     MF open = hn::Gt(depth, near);
     const VF safe = hn::Max(depth, near);
-    VF width = hn::Min(hn::Max(zero, Width(view, near, safe)), most);
+    VF width = Region(view, near, safe);
     VI left, right, top, bottom;
     TexelRange(x, width, left, right);
     TexelRange(y, width, top, bottom);
@@ -278,7 +258,7 @@ void SearchRegions(const LightView& view, const MultiScaleMap& levels, const Sof
         const VF low = hn::GatherIndex(d, levels.bounds(), hn::Add(index, index));
         const MF hit = hn::And(look, hn::Lt(low, depth));
         open = hn::And(open, hn::Or(hit, hn::Not(searching)));
-        const VF next = hn::Min(width, hn::Max(zero, Width(view, low, safe)));
+        const VF next = hn::Min(width, Region(view, low, safe));
         searching = hn::And(hit, hn::Ge(hn::Sub(width, next), hn::Set(d, 1.0f)));
         width = hn::IfThenElse(hit, next, width);
       }
@@ -305,8 +285,7 @@ void FilterRegions(const LightView& view, const MultiScaleMap& levels, const Sof
     const VF blocker = hn::GatherIndex(d, tile.blocker.data(), hn::IfThenElseZero(linked, representative));
     MF open = hn::And(hn::RebindMask(d, linked), hn::And(hn::Gt(blocker, zero), hn::Lt(blocker, depth)));
     const VF safe = hn::IfThenElse(open, blocker, one), safe_depth = hn::IfThenElse(open, depth, one);
-    const VF width =
-        hn::Min(hn::Mul(hn::Set(d, options.filter_scale), Width(view, safe, safe_depth)), hn::Set(d, most_width));
+    const VF width = Region(view, safe, safe_depth, options.filter_scale);
     hn::StoreU(hn::IfThenElse(open, width, hn::LoadU(d, &tile.width[k])), d, &tile.width[k]);
     if (options.multi_scale) {
       const Squares squares = Snap(x, y, width, n, levels.largest(), options.snapping);
@@ -376,7 +355,7 @@ void RotatedBlockers(const ShadowMap& map, const SamplePattern& pattern, const T
     const MF open = hn::Gt(depth, near);
     VF sum = zero, count = zero;
     if (!hn::AllFalse(d, open)) {
-      const VF width = hn::Min(Width(map.view, near, hn::Max(depth, near)), hn::Set(d, most_width));
+      const VF width = Region(map.view, near, hn::Max(depth, near));
       ForSamples(map, pattern.kind, pattern.search, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]), width,
                  hn::LoadU(d, &turns.u[k]), hn::LoadU(d, &turns.v[k]), [&](VF z) {
                    const MF closer = hn::Lt(z, depth);
@@ -397,10 +376,9 @@ void RotatedFilter(const ShadowMap& map, const SamplePattern& pattern, const Tur
     const MF some = hn::Gt(blocker, zero);
     VF closer = zero;
     if (!hn::AllFalse(d, some)) {
-      const VF width = hn::Mul(hn::Set(d, scale),
-                               Width(map.view, hn::IfThenElse(some, blocker, one), hn::IfThenElse(some, depth, one)));
-      ForSamples(map, pattern.kind, pattern.filter, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]),
-                 hn::Min(width, hn::Set(d, most_width)), hn::LoadU(d, &turns.u[k]), hn::LoadU(d, &turns.v[k]),
+      const VF width = Region(map.view, hn::IfThenElse(some, blocker, one), hn::IfThenElse(some, depth, one), scale);
+      ForSamples(map, pattern.kind, pattern.filter, hn::LoadU(d, &tile.x[k]), hn::LoadU(d, &tile.y[k]), width,
+                 hn::LoadU(d, &turns.u[k]), hn::LoadU(d, &turns.v[k]),
                  [&](VF z) { closer = hn::Add(closer, hn::IfThenElseZero(hn::Lt(z, depth), one)); });
     }
     const VF share = hn::Div(closer, hn::Set(d, float(pattern.filter.size())));

@@ -9,9 +9,6 @@
 
 namespace penumbra::pcss {
 
-/// Widths of regions are cut to so many texels, far more than any map has.
-constexpr float most_width = 1e6f;
-
 /// Whole number at or below (above) v, |v| < 2^31; without a call to the C library where there is no such instruction.
 PENUMBRA_HD inline int floor_int(float v) {
   const int i = int(v);

@@ -61,7 +61,7 @@ void RotatedShadow::find_visibility(Tile& tile) {
   timed(project_part, [&] { find_turns(tile, u, v); });
   timed(blocker_part, [&] {
     for (int k = 0; k < tile.size(); ++k) {
-      const float d = tile.depth[k], width = d > view.near ? std::min(view.width(view.near, d), most_width) : -1.0f;
+      const float d = tile.depth[k], width = d > view.near ? view.region(view.near, d) : -1.0f;
       float sum = 0.0f, count = 0.0f;
       if (width >= 0.0f)
         for (const vec2& sample : pattern_.search) {
@@ -75,7 +75,7 @@ void RotatedShadow::find_visibility(Tile& tile) {
     for (int k = 0; k < tile.size(); ++k) {
       tile.visibility[k] = 1.0f;
       if (!(tile.blocker[k] > 0.0f)) continue;
-      const float d = tile.depth[k], width = std::min(filter_scale_ * view.width(tile.blocker[k], d), most_width);
+      const float d = tile.depth[k], width = view.region(tile.blocker[k], d, filter_scale_);
       float closer = 0.0f;
       for (const vec2& sample : pattern_.filter)
         closer += depth_at(vec2(tile.x[k], tile.y[k]) + width * placed(pattern_.kind, sample, u[k], v[k])) < d;

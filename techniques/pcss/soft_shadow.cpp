@@ -54,7 +54,7 @@ void SoftShadow::search_region(Tile& tile, int k) const {
   tile.representative[k] = -1;
   tile.square[k] = {};
   if (!(d > view.near)) return;
-  float width = std::min(std::max(0.0f, view.width(view.near, d)), most_width);
+  float width = view.region(view.near, d);
   const Texels t = texels_of(x, y, width);
   if (t.right <= 0 || t.left >= n || t.bottom <= 0 || t.top >= n) return;
   const auto snapped = [&] { return snap(x, y, width, n, levels_.largest(), options_.snapping); };
@@ -65,7 +65,7 @@ void SoftShadow::search_region(Tile& tile, int k) const {
       const float low = least_depth(square, x, y, width);
       if (!(low < d)) return;
       const float before = width;
-      width = std::min(before, std::max(0.0f, view.width(low, d)));
+      width = std::min(before, view.region(low, d));
       if (before - width < 1.0f) break;
     }
   }
@@ -127,7 +127,7 @@ void SoftShadow::make_filter_regions(Tile& tile) const {
       tile.representative[k] = -1;
       continue;
     }
-    tile.width[k] = std::min(options_.filter_scale * map_.view.width(tile.blocker[k], tile.depth[k]), most_width);
+    tile.width[k] = map_.view.region(tile.blocker[k], tile.depth[k], options_.filter_scale);
     if (options_.multi_scale)
       tile.square[k] =
           snap(tile.x[k], tile.y[k], tile.width[k], map_.resolution(), levels_.largest(), options_.snapping);

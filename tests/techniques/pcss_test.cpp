@@ -1,0 +1,291 @@
+// The shadow-map family on scenes whose answer is known, and on scenes that ask for trouble.
+#include "techniques/bases/area_irradiance.h"
+#include "tests/support.h"
+
+namespace penumbra {
+namespace {
+
+const char* const family[] = {"shadow-map", "pcss", "hqepcss", "fast-pcss", "pcss-rotated", "moment-shadows"};
+const char* const backends[] = {"scalar", "simd"};
+
+const AreaLight lamp = make_rectangle({0, 4, 0}, {1, 0, 0}, {0, 0, 1}, vec3(10.0f));
+
+/// A flat rectangle seen from above.
+Mesh plate(vec2 low, vec2 high, float y) {
+  Mesh mesh;
+  mesh.positions = {{low.x, y, low.y}, {low.x, y, high.y}, {high.x, y, high.y}, {high.x, y, low.y}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+Scene lamp_scene(const Mesh& mesh, const Receivers& receivers, const AreaLight& light = lamp) {
+  Scene scene;
+  scene.name = "test";
+  scene.mesh = mesh;
+  scene.receivers = receivers;
+  scene.receiver_spec.kind = PlaneGrid{};
+  scene.light = light;
+  return scene;
+}
+
+/// Radiance over unshadowed radiance.
+std::vector<double> visibility(const std::string& name, const std::string& backend,
+                               const std::vector<std::string>& parameters, const Scene& scene) {
+  const std::vector<vec3> image = test::shade(name, backend, parameters, scene);
+  const AreaLight& light = *area_light_of(scene.light);
+  const LampPolygon polygon = make_polygon(light);
+  std::vector<double> result;
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    const float open = light.radiance.x * form_factor(polygon, scene.receivers.position[i], scene.receivers.normal[i]);
+    result.push_back(open > 0.0f ? double(image[i].x / open) : 1.0);
+  }
+  return result;
+}
+
+std::vector<vec3> row_of_points(float from, float to, int count) {
+  std::vector<vec3> points;
+  for (int k = 0; k < count; ++k)
+    points.emplace_back(from + (to - from) * (float(k) + 0.5f) / float(count), 0.0f, 0.0f);
+  return points;
+}
+
+/// A half-plane at y = 1 whose edge lies below the middle of the lamp: clamp(1/2 + x d_z / (s (d_p - d_z)), 0, 1).
+void expect_ramp(const std::string& name, const std::vector<std::string>& parameters, double tolerance,
+                 const AreaLight& light, double s) {
+  const std::vector<vec3> points = row_of_points(-0.3f, 0.3f, 61);
+  const Scene scene = lamp_scene(plate({-1.5f, -1.5f}, {0.0f, 1.5f}, 1.0f), test::receivers_at(points), light);
+  for (const char* backend : backends) {
+    const std::vector<double> found = visibility(name, backend, parameters, scene);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_NEAR(found[i], std::clamp(0.5 + double(points[i].x) * 3.0 / s, 0.0, 1.0), tolerance)
+          << name << " " << backend << " at x = " << points[i].x;
+  }
+}
+
+TEST(Pcss, HalfPlaneGivesTheExactRamp) {
+  expect_ramp("pcss", {}, 0.02, lamp, 1.0);
+  expect_ramp("hqepcss", {"snap_size=up", "snap_place=centre"}, 0.02, lamp, 1.0);
+  expect_ramp("hqepcss", {"snap_size=overlap"}, 0.02, lamp, 1.0);
+  expect_ramp("moment-shadows", {}, 0.02, lamp, 1.0);
+  expect_ramp("pcss-rotated", {"pattern=lattice", "search_samples=64", "filter_samples=256"}, 0.05, lamp, 1.0);
+  expect_ramp("fast-pcss", {"snap_place=centre", "snap_size=up", "search_area=1", "filter_area=1", "blur=0"}, 0.25,
+              lamp, 1.0);
+}
+
+TEST(Pcss, LampsThatAreNotSquareAreSquaresOfTheMap) {
+  const AreaLight wide = make_rectangle({0, 4, 0}, {0.4f, 0, 0}, {0, 0, 1.6f}, vec3(10.0f));
+  expect_ramp("pcss", {}, 0.03, wide, 0.4);
+  expect_ramp("moment-shadows", {}, 0.03, wide, 0.4);
+  const AreaLight skew = make_rectangle({0, 4, 0}, {0.5f, 0, 0}, {0.2f, 0, 1}, vec3(10.0f));
+  const Scene scene =
+      lamp_scene(plate({-1.5f, -1.5f}, {0.0f, 1.5f}, 1.0f), test::receivers_at(row_of_points(-.3f, .3f, 31)), skew);
+  const auto found = visibility("pcss", "simd", {}, scene),
+             truth = visibility("ray-traced", "simd", {"rays=4096"}, scene);
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], truth[i], 0.03) << i;
+}
+
+TEST(Pcss, AFarLampLooksTheSameThroughParallelRays) {
+  const AreaLight far = make_rectangle({0, 101, 0}, {20, 0, 0}, {0, 0, 20}, vec3(10.0f));
+  const Scene scene =
+      lamp_scene(plate({-1.5f, -1.5f}, {0.0f, 1.5f}, 1.0f), test::receivers_at(row_of_points(-0.3f, 0.3f, 31)), far);
+  for (const char* name : {"pcss", "hqepcss", "moment-shadows"}) {
+    const auto perspective = visibility(name, "simd", {"light_view=perspective"}, scene);
+    const auto orthographic = visibility(name, "simd", {"light_view=orthographic"}, scene);
+    for (std::size_t i = 0; i < perspective.size(); ++i) EXPECT_NEAR(perspective[i], orthographic[i], 0.06) << name;
+    EXPECT_NEAR(orthographic[15], 0.5, 0.06) << name;
+  }
+}
+
+void expect_near(const std::vector<double>& a, const std::vector<double>& b, double tolerance, const char* what) {
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], tolerance) << what << " " << i;
+}
+
+TEST(Pcss, APointCastsAHardShadowOfOneTexel) {
+  const Scene scene = lamp_scene(make_sphere({0, 1, 0}, 0.5f, 48), test::receivers_at(row_of_points(-1.5f, 1.5f, 300)));
+  const auto hard = visibility("shadow-map", "scalar", {"light_scale=0"}, scene);
+  int blocked = 0;
+  for (const double v : hard) {
+    EXPECT_TRUE(v < 1e-6 || std::abs(v - 1.0) < 1e-5);
+    blocked += v < 0.5;
+  }
+  EXPECT_NEAR(blocked, 2 * 100 * 0.5 * 4 / std::sqrt(8.75), 3.0) << "tangent cone of the sphere on the plane";
+  for (const char* backend : backends) {
+    for (const char* name : {"pcss", "hqepcss", "pcss-rotated"})
+      expect_near(visibility(name, backend, {"light_scale=0"}, scene), hard, 1e-5, name);
+    expect_near(visibility("moment-shadows", backend, {"light_scale=0"}, scene), hard, 1e-3, "moment-shadows");
+  }
+}
+
+TEST(Pcss, NoBlockerNoShadow) {
+  const Receivers receivers = test::receivers_at(row_of_points(-2.0f, 2.0f, 40));
+  const Mesh aside = make_box({50, 0, 50}, {51, 1, 51}), above = make_box({-1, 6, -1}, {1, 7, 1});
+  for (const Mesh& mesh : {Mesh{}, aside, above})
+    for (const char* name : family)
+      for (const char* backend : backends)
+        for (const double v : visibility(name, backend, {"map=64"}, lamp_scene(mesh, receivers)))
+          EXPECT_NEAR(v, 1.0, 1e-5) << name << " " << backend;
+}
+
+TEST(Pcss, ALitSurfaceDoesNotShadowItself) {
+  for (const float tilt : {0.0f, 0.5f}) {
+    Mesh mesh = plate({-1, -1}, {1, 1}, 0.0f);
+    for (vec3& p : mesh.positions) p.y = 1.0f + tilt * p.x;
+    std::vector<vec3> points = row_of_points(-0.8f, 0.8f, 50);
+    for (vec3& p : points) p.y = 1.0f + tilt * p.x;
+    Receivers receivers = test::receivers_at(points, {-tilt, 1, 0});
+    receivers.on_occluder.assign(points.size(), 1);
+    for (const char* name : family)
+      for (const char* backend : backends)
+        for (const double v : visibility(name, backend, {"bias=2", "light_scale=0.1"}, lamp_scene(mesh, receivers)))
+          EXPECT_GT(v, 0.97) << name << " " << backend << " tilted " << tilt;
+  }
+}
+
+TEST(Pcss, ABlockerAtTheLampCoversAllOfIt) {
+  const Scene scene =
+      lamp_scene(plate({-1.0f, -1.0f}, {1.0f, 1.0f}, 3.99f), test::receivers_at(row_of_points(-1, 1, 9)));
+  for (const char* name : {"pcss", "hqepcss", "pcss-rotated", "moment-shadows", "fast-pcss"})
+    for (const char* backend : backends) {
+      const auto found = visibility(name, backend, {"map=256"}, scene);
+      for (const double v : found) EXPECT_TRUE(v >= -1e-6 && v <= 1.0 + 1e-5) << name << " " << backend << " " << v;
+      if (std::string(name) == "pcss") EXPECT_NEAR(found[4], 0.0, 0.02) << backend;
+    }
+}
+
+TEST(Pcss, TwoDepthsBecomeOneMean) {
+  // Where both plates cover a part of the lamp their shares do not add up: a known bias, of either sign.
+  Mesh mesh = plate({-1.5f, -1.5f}, {0.0f, 1.5f}, 0.5f);
+  const Mesh upper = plate({0.1f, -1.5f}, {1.5f, 1.5f}, 2.0f);
+  for (const uvec3& t : upper.triangles) mesh.triangles.push_back(t + 4u);
+  mesh.positions.insert(mesh.positions.end(), upper.positions.begin(), upper.positions.end());
+  const Scene scene = lamp_scene(mesh, test::receivers_at(row_of_points(-0.2f, 0.4f, 31)));
+  const auto found = visibility("pcss", "simd", {}, scene),
+             truth = visibility("ray-traced", "simd", {"rays=4096"}, scene);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, std::abs(found[i] - truth[i]));
+  EXPECT_GT(worst, 0.05);
+  EXPECT_LT(worst, 0.6);
+}
+
+TEST(Pcss, RightWidthsBeatDoubledOnes) {
+  const Scene scene =
+      lamp_scene(make_sphere({0, 0.8f, 0}, 0.5f, 96), test::receivers_at(row_of_points(-1.5f, 1.5f, 200)));
+  const auto truth = visibility("ray-traced", "simd", {"rays=4096"}, scene);
+  const auto error = [&](const char* name, const std::vector<std::string>& parameters) {
+    const auto found = visibility(name, "simd", parameters, scene);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < found.size(); ++i) sum += std::pow(found[i] - truth[i], 2);
+    return std::sqrt(sum / double(found.size()));
+  };
+  EXPECT_LT(error("pcss", {}), 0.05);
+  EXPECT_LT(error("pcss", {}), 0.5 * error("pcss", {"light_scale=2"}));
+  EXPECT_LT(error("pcss", {}), 0.5 * error("shadow-map", {}));
+  EXPECT_LT(error("hqepcss", {}), 0.06);
+  EXPECT_LT(error("moment-shadows", {}), 0.06);
+}
+
+TEST(Pcss, SignedErrorTellsLeaksFromDarkening) {
+  Receivers receivers = test::receivers_at({});
+  const Mesh ball = make_sphere({0, 1, 0}, 0.5f, 96);
+  for (std::size_t i = 0; i < ball.positions.size(); i += 7) {  // the ball's own lit side
+    const vec3 n = glm::normalize(ball.positions[i] - vec3(0, 1, 0));
+    if (n.y < 0.3f) continue;
+    receivers.position.push_back(ball.positions[i]), receivers.normal.push_back(n);
+    receivers.albedo.emplace_back(1.0f), receivers.on_occluder.push_back(1);
+  }
+  receivers.width = int(receivers.position.size());
+  const Scene scene = lamp_scene(ball, receivers);
+  const auto mean = [&](const std::vector<std::string>& parameters) {
+    double sum = 0.0;
+    for (const double v : visibility("pcss", "simd", parameters, scene)) sum += v;
+    return sum / double(receivers.width);
+  };
+  const double truth = [&] {
+    double sum = 0.0;
+    for (const double v : visibility("ray-traced", "simd", {"rays=1024"}, scene)) sum += v;
+    return sum / double(receivers.width);
+  }();
+  EXPECT_LT(mean({"bias=0"}), truth - 0.02) << "without a bias the surface darkens itself";
+  EXPECT_GT(mean({"bias=10"}), mean({"bias=0"}) + 0.02);
+}
+
+// --- scenes that ask for trouble -------------------------------------------------------------------------------------
+
+struct Trouble {
+  const char* name;
+  Scene scene;
+};
+
+std::vector<Trouble> troubles() {
+  std::vector<vec3> points = row_of_points(-2.0f, 2.0f, 37);
+  points.emplace_back(0, 5, 0);     // behind the lamp
+  points.emplace_back(1e8f, 0, 0);  // far off the map
+  points.emplace_back(NAN, 0, 0);
+  points.emplace_back(0, 4, 0);  // in the lamp
+  const Receivers receivers = test::receivers_at(points);
+  const Mesh ball = make_sphere({0, 1, 0}, 0.5f, 24);
+  const auto at = [&](vec3 centre, vec3 u, vec3 v) {
+    return lamp_scene(ball, receivers, make_rectangle(centre, u, v, vec3(3.0f)));
+  };
+  return {{"lamp inside the occluder", at({0, 1, 0}, {0.2f, 0, 0}, {0, 0, 0.2f})},
+          {"lamp cuts the occluder", at({0.3f, 1.2f, 0}, {2, 0, 0}, {0, 0, 2})},
+          {"lamp faces away", at({0, 4, 0}, {0, 0, 1}, {1, 0, 0})},
+          {"lamp below the receivers", at({0, -1, 0}, {1, 0, 0}, {0, 0, 1})},
+          {"no area", at({0, 4, 0}, {0, 0, 0}, {0, 0, 1})},
+          {"disc of radius 0", lamp_scene(ball, receivers, make_disc({0, 4, 0}, {0, -1, 0}, 0.0f, vec3(3.0f)))},
+          {"sideways", at({3, 0.5f, 0}, {0, 1, 0}, {0, 0, 1})},
+          {"huge", at({0, 4, 0}, {1000, 0, 0}, {0, 0, 1000})},
+          {"tiny", at({0, 4, 0}, {1e-5f, 0, 0}, {0, 0, 1e-5f})},
+          {"far", at({0, 1e5f, 0}, {1, 0, 0}, {0, 0, 1})},
+          {"no mesh", lamp_scene({}, receivers)}};
+}
+
+TEST(Pcss, TroubleGivesDefinedResults) {
+  for (const Trouble& t : troubles())
+    for (const char* name : family)
+      for (const char* backend : backends)
+        for (const char* map : {"map=1", "map=100"})
+          for (const char* view : {"light_view=perspective", "light_view=orthographic"}) {
+            const auto image = test::shade(name, backend, {map, view}, t.scene);
+            const AreaLight& light = *area_light_of(t.scene.light);
+            const LampPolygon polygon = make_polygon(light);
+            for (std::size_t i = 0; i < image.size(); ++i) {
+              const float open =
+                  light.radiance.x * form_factor(polygon, t.scene.receivers.position[i], t.scene.receivers.normal[i]);
+              ASSERT_TRUE(image[i].x >= 0.0f && image[i].x <= open * 1.001f + 1e-6f)
+                  << t.name << ", " << name << " " << backend << " " << map << " " << view << ", receiver " << i << ": "
+                  << image[i].x << " of " << open;
+            }
+          }
+}
+
+TEST(Pcss, VerticesThatTheMapCannotHoldAreCounted) {
+  const auto count = [](const Scene& scene) {
+    static const Registry registry = make_registry();
+    const auto technique = make_technique(registry.find("pcss", "simd"), parse_parameters({"map=64"}));
+    technique->prepare(scene);
+    return technique->counters().at("vertices_off_map");
+  };
+  EXPECT_EQ(count(lamp_scene(make_sphere({0, 1, 0}, 0.5f, 24), test::receivers_at(row_of_points(-1, 1, 3)))), 0u);
+  EXPECT_GT(count(troubles()[1].scene), 0u);
+}
+
+TEST(Pcss, StagesAreNamedInOrder) {
+  static const Registry registry = make_registry();
+  const auto technique = make_technique(registry.find("fast-pcss", "simd"), parse_parameters({"map=64"}));
+  const Scene scene = lamp_scene(make_sphere({0, 1, 0}, 0.5f, 24), test::receivers_at(row_of_points(-1, 1, 300)));
+  test::shade(*technique, scene);
+  std::vector<std::string> names;
+  for (const Stage& stage : technique->stages()) {
+    names.push_back(stage.name);
+    EXPECT_GE(stage.ms, 0.0);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"lighting", "map", "levels", "project", "regions", "blockers", "filter",
+                                             "blur", "compose"}));
+  Animation animation(scene);
+  technique->update(animation.frame(0));
+  EXPECT_EQ(technique->stages()[1].ms, 0.0) << "nothing changed, no map was made";
+}
+
+}  // namespace
+}  // namespace penumbra
