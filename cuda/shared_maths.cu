@@ -1,7 +1,11 @@
 // Compiles every PENUMBRA_HD function for the device, so that none stops being usable there unnoticed.
 #include "scenes/cube_map.h"
+#include "techniques/bases/area_irradiance.h"
 #include "techniques/bases/cap.h"
 #include "techniques/bases/random.h"
+#include "techniques/pcss/moments.h"
+#include "techniques/pcss/reuse.h"
+#include "techniques/pcss/rotated.h"
 
 namespace penumbra {
 
@@ -14,6 +18,19 @@ __global__ void cover_texels(vec3 centre, float radius, vec3 x, int n, unsigned 
   vec3 tangent, bitangent;
   orthonormal_frame(direction, tangent, bitangent);
   noise[t] = random_triple(mix_bits(std::uint64_t(t)), 0).x * luminance(tangent + bitangent);
+}
+
+/// One receiver a thread: unshadowed light, region, square, links and moments of the shadow-map family.
+__global__ void shadow_map_maths(LampPolygon lamp, pcss::LightView view, pcss::Reuse reuse, pcss::Snapping how, vec3 p,
+                                 vec3 n, pcss::Moments b, float* out, pcss::Square* square) {
+  const float z = view.depth(p), d = z - pcss::depth_bias(view, 1.0f, p, n, z), width = view.region(view.near, d);
+  const vec2 at = view.project(p, z);
+  *square = pcss::snap(at.x, at.y, width, view.resolution, 10, how);
+  const pcss::RegionKey key{at.x, at.y, width, d};
+  const vec2 turned = pcss::placed(pcss::Pattern::vogel, at, pcss::gradient_noise(3, 4), 0.0f);
+  *out = form_factor(lamp, p, n) + float(pcss::texels_of(at.x, at.y, width).count()) +
+         float(pcss::alike(key, key, reuse)) + float(pcss::blockers_of_moments(pcss::biased(b, 1e-7), d).share) +
+         turned.x;
 }
 
 }  // namespace penumbra

@@ -42,8 +42,8 @@ struct ThreeDepths {
   double z1, z2, weight0, weight1;
 };
 
-/// `bias` in (0, 1) mixes in the moments of all depths alike, so that no region has only one depth or two: the equations
-/// would be singular, and rounding decide.
+/// `bias` in (0, 1) mixes in the moments of all depths alike, so that no region has only one depth or two: the
+/// equations would be singular, and rounding decide.
 PENUMBRA_HD inline Moments biased(const Moments& b, double bias) {
   Moments out{};
   for (int j = 0; j < 4; ++j) out[std::size_t(j)] = b[std::size_t(j)] + bias * (1.0 / (j + 2) - b[std::size_t(j)]);

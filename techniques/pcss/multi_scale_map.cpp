@@ -70,7 +70,7 @@ void MultiScaleMap::build_rows(int level, int begin, int end) {
   }
 }
 
-void MultiScaleMap::build(const ShadowMap& map, Layout layout, int largest, bool parallel) {
+void MultiScaleMap::build(const ShadowMap& map, LevelLayout layout, int largest, bool parallel) {
   largest = std::clamp(largest, 0, largest_level(map.resolution()));
   layout_ = layout;
   allocate(map.resolution(), largest);

@@ -12,7 +12,7 @@
 
 namespace penumbra::pcss {
 
-enum class Layout { full, reduced };
+enum class LevelLayout { full, reduced };
 
 /// Least and largest depth in a square; `high` is infinite, and so is the mean, where a texel of it is empty.
 struct DepthRange {
@@ -22,12 +22,12 @@ struct DepthRange {
 class MultiScaleMap {
  public:
   /// Levels 0 (the map itself) to `largest`, at most floor(log2(resolution)).
-  void build(const ShadowMap& map, Layout layout, int largest, bool parallel);
+  void build(const ShadowMap& map, LevelLayout layout, int largest, bool parallel);
 
   int edge() const { return edge_; }        ///< of the map, texels
   int largest() const { return largest_; }  ///< level
   /// Squares along an edge of a level; also its row stride.
-  int stride(int level) const { return layout_ == Layout::full ? edge_ : edge_ - (1 << level) + 1; }
+  int stride(int level) const { return layout_ == LevelLayout::full ? edge_ : edge_ - (1 << level) + 1; }
   /// Number of a square in bounds() and mean(): level by level, each from a multiple of edge^2 on.
   std::size_t index(int left, int top, int level) const {
     return std::size_t(level) * edge_ * edge_ + std::size_t(top) * stride(level) + left;
@@ -42,14 +42,14 @@ class MultiScaleMap {
   /// who asks for one asks for the other.
   const float* bounds() const { return bounds_.get(); }
   const float* means() const { return mean_.get(); }
-  Layout layout() const { return layout_; }
+  LevelLayout layout() const { return layout_; }
   std::size_t bytes() const;
 
  private:
   void allocate(int edge, int largest);
   void build_rows(int level, int begin, int end);
 
-  Layout layout_ = Layout::reduced;
+  LevelLayout layout_ = LevelLayout::reduced;
   int edge_ = 0, largest_ = -1, allocated_ = 0;
   std::unique_ptr<float[]> bounds_, mean_;
 };

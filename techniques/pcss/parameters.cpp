@@ -41,7 +41,7 @@ Sum read_sum(const std::string& name) {
 
 void read_multi_scale(const Parameters& p, SoftOptions& options) {
   options.multi_scale = true;
-  options.layout = p.text("levels") == "full" ? Layout::full : Layout::reduced;
+  options.layout = p.text("levels") == "full" ? LevelLayout::full : LevelLayout::reduced;
   options.build_all = p.text("build") == "all";
   options.refine = p.text("refine") == "on";
   options.depth = p.integer("depth");

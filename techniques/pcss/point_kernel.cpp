@@ -215,7 +215,8 @@ HWY_INLINE Squares Snap(VF x, VF y, VF width, int edge, int largest, const Snapp
 HWY_INLINE VI Index(const MultiScaleMap& map, const Squares& s) {
   const VI edge = SetInt(map.edge());
   const VI level = hn::Max(s.level, SetInt(0));
-  const VI stride = map.layout() == Layout::full ? edge : hn::Add(hn::Sub(edge, hn::Shl(SetInt(1), level)), SetInt(1));
+  const VI stride =
+      map.layout() == LevelLayout::full ? edge : hn::Add(hn::Sub(edge, hn::Shl(SetInt(1), level)), SetInt(1));
   return hn::Add(hn::Add(hn::Mul(level, SetInt(map.edge() * map.edge())), hn::Mul(s.top, stride)), s.left);
 }
 

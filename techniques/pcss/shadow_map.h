@@ -28,7 +28,8 @@ void trace(const RayScene& rays, ShadowMap& map);
 PENUMBRA_HD inline float depth_bias(const LightView& view, float texels, vec3 position, vec3 normal, float z) {
   const vec3 to_light = view.centre - position;
   const float cosine = glm::dot(normal, to_light) / glm::length(to_light);
-  const float tangent = cosine > 0.1f ? std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) / cosine : 10.0f;
+  const float tangent =
+      cosine > 0.1f ? std::sqrt(1.0f - cosine * cosine > 0.0f ? 1.0f - cosine * cosine : 0.0f) / cosine : 10.0f;
   return texels * view.texel_at(z) * (1.0f + tangent);
 }
 

@@ -23,7 +23,7 @@ enum class Sum { texels, nearest, sampled };
 
 struct SoftOptions {
   bool multi_scale = false;  ///< a multi-scale map is there
-  Layout layout = Layout::reduced;
+  LevelLayout layout = LevelLayout::reduced;
   bool build_all = false;  ///< all levels, not only those that the frame's regions need
   bool refine = false;
   bool overlap = false;  ///< refinement looks at four overlapping squares that cover the region exactly

@@ -1,5 +1,7 @@
 #include "harness/published.h"
 
+#include "harness/published_times.h"
+
 #include "tests/support.h"
 
 namespace penumbra {
@@ -27,6 +29,29 @@ TEST(Published, PrintsRatios) {
   const std::string text =
       make_published_table(PublishedTable::load("zhao-che-2011-table2"), {wavelet_row(32, 50, 1000.0 / 63.06)});
   EXPECT_NE(text.find("**63.1** | 2.91 | 21.7 | 34.45 | 1.8 | 31.53 | 2.0 |"), std::string::npos) << text;
+}
+
+TEST(Published, TimesAreComparedAsRatiosWithinTableAndSubject) {
+  Suite suite;
+  suite.published = "zhu-2019-tables";
+  suite.published_times = {{"3", "scene a", "PCSS", "/slow/", {}}, {"3", "scene a", "Fast PCSS", "/fast/", {"x", "y"}}};
+  check_published_times(suite);
+  const auto row = [](const char* technique, double ms) {
+    Row r;
+    r.scene = "s", r.technique = technique, r.backend = "simd", r.frame_ms = {ms};
+    r.stages = {{"x", {1}}, {"y", {3}}, {"z", {100}}};
+    return r;
+  };
+  const std::string text = make_published_times_table(suite, {row("slow", 50), row("fast", 200)});
+  EXPECT_NE(text.find("PCSS | 188.7 | 1.000 | slow, s simd, 1 threads | frame | 50.000 | **1.000** |"),
+            std::string::npos);
+  EXPECT_NE(text.find("Fast PCSS | 8.8 | 0.047 | fast, s simd, 1 threads | x + y | 4.000 | **0.080** |"),
+            std::string::npos)
+      << text;
+  suite.published_times[0].variant = "Slow PCSS";
+  EXPECT_NE(test::error_of([&] { check_published_times(suite); }).find("Slow PCSS"), std::string::npos);
+  suite.published_times[0] = {"3", "scene a", "PCSS", "(", {}};
+  EXPECT_NE(test::error_of([&] { check_published_times(suite); }).find("regular expression"), std::string::npos);
 }
 
 TEST(Published, MissingTablesAreErrors) {

@@ -18,6 +18,8 @@ Row row_with(const std::string& technique, double ms, double error, double noise
   row.update_ms = {0.5, 0.5, 0.5};
   row.shade_ms = {ms - 0.5, ms + 0.5, ms - 1.5};
   row.iterations = 7;
+  row.stages = {{"map", {1, 3, 2}}, {"filter", {4, 4, 5}}};
+  row.view_ms = 12.5;
   row.bytes = {1, 2, 3};
   row.errors["truth"].report.all.rel_rmse = error;
   row.errors["truth"].report.all.ssim = 0.9;
@@ -44,6 +46,32 @@ TEST(Results, RowsHaveTheAgreedFieldsAndGoogleBenchmarks) {
     EXPECT_TRUE(json["errors"]["truth"].contains(key)) << key;
   EXPECT_EQ(json["frame_ms"], 10);
   EXPECT_EQ(json["bytes"], 6);
+}
+
+TEST(Results, StagesKeepTheirOrderAndAddUp) {
+  const Row row = row_with("a", 10, 0.1);
+  const auto json = to_json(row);
+  EXPECT_EQ(json["stages"][0]["name"], "map");
+  EXPECT_EQ(json["stages"][1]["ms"], 4);
+  EXPECT_EQ(row.stages_ms({"filter", "map"}), 6);
+  EXPECT_TRUE(std::isnan(row.stages_ms({"map", "blur"}))) << "a stage that is not there is not 0 ms";
+  const std::string text = make_stages_table({row});
+  EXPECT_NE(text.find("| view | frame | map | filter |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| 12.50 | 10.00 | 2.00 | 4.00 |"), std::string::npos) << text;
+  Row none = row;
+  none.stages.clear();
+  EXPECT_EQ(make_stages_table({none}), "");
+}
+
+TEST(Results, ChoiceNamesTheCheapestWithinAnError) {
+  const std::string text = make_choice_table({row_with("a", 10, 0.02), row_with("a", 30, 0.009),
+                                              row_with("a", 40, 0.001), row_with("b", 5, 0.05), row_with("c", 1, 0.5)});
+  EXPECT_NE(text.find("| a | 30.00 ms, 0.90 %, simd  | 10.00 ms, 2.00 %, simd  | 10.00 ms, 2.00 %, simd  |"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("| b | | | 5.00 ms, 5.00 %, simd  |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| c | | | |"), std::string::npos) << text;
+  EXPECT_EQ(make_choice_table({row_with("a", 10, 0.02)}), "") << "nothing to choose";
 }
 
 TEST(Results, MedianIsTheMiddle) {

@@ -116,6 +116,16 @@ TEST_F(Runs, FailuresAreRowsAndTheRunGoesOn) {
   EXPECT_NE(table_.find("out of ideas"), std::string::npos);
 }
 
+TEST_F(Runs, ABaselineIsOneMoreReference) {
+  const std::string head = "baseline = { name = \"good\", backend = \"scalar\" }\n";
+  EXPECT_EQ(run(head + suite_text({{"good", "scalar"}})), 0);
+  EXPECT_EQ(row("good").errors.at("good").report.all.rmse, 0.0);
+  EXPECT_NE(table_.find("against the image of good"), std::string::npos);
+  EXPECT_EQ(run("baseline = { name = \"throws\", backend = \"scalar\" }\n" + suite_text({{"good", "scalar"}})), 0)
+      << "a baseline that fails is left out";
+  EXPECT_FALSE(row("good").errors.contains("throws"));
+}
+
 TEST_F(Runs, SkippedRowsAreNotFailures) {
   EXPECT_EQ(run(suite_text({{"unsupported", "scalar"}, {"absent", "simd"}})), 0);
 }

@@ -43,6 +43,31 @@ TEST_F(Suites, AxesMultiply) {
   EXPECT_EQ(load("name = \"s\"\nscenes = \"a\"\n[[technique]]\nname = \"ray-traced\"\n", 3).variants.back().threads, 3);
 }
 
+TEST_F(Suites, BaselineAndPublishedTimes) {
+  const std::string head = "name = \"s\"\nscenes = [\"a\"]\n", tail = "[[technique]]\nname = \"ray-traced\"\n";
+  const std::string line = "[[published_time]]\ntable = \"1\"\nsubject = \"b\"\nvariant = \"c\"\nrow = \"d\"\n";
+  const Suite suite =
+      load(head + "published = \"zhu-2019-tables\"\nbaseline = { name = \"pcss\", parameters = { map = 64 } }\n" +
+           tail + line + "stages = [\"x\", \"y\"]\n");
+  ASSERT_TRUE(suite.baseline);
+  EXPECT_EQ(suite.baseline->entry->backend, "simd");
+  EXPECT_EQ(suite.baseline->parameters.integer("map"), 64);
+  ASSERT_EQ(suite.published_times.size(), 1u);
+  EXPECT_EQ(suite.published_times[0].stages, (std::vector<std::string>{"x", "y"}));
+  EXPECT_NE(error(head + tail + line).find("'published'"), std::string::npos);
+  EXPECT_NE(error(head + "baseline = { name = \"pcss\", parameters = { map = [1, 2] } }\n" + tail).find("one value"),
+            std::string::npos);
+  EXPECT_NE(error(head + "baseline = { name = \"magic\" }\n" + tail).find("pcss"), std::string::npos);
+}
+
+TEST_F(Suites, LabelsNameWhatDiffersFromTheDefaults) {
+  const Suite suite = load(
+      "name = \"s\"\nscenes = [\"a\"]\n[[technique]]\nname = \"ray-traced\"\nbackend = \"scalar\"\n"
+      "parameters = { rays = [64, 5] }\n");
+  EXPECT_EQ(suite.variants[0].label(), "ray-traced/scalar/threads:1");
+  EXPECT_EQ(suite.variants[1].label(), "ray-traced/scalar/rays:5/threads:1");
+}
+
 TEST_F(Suites, MistakesAreExplained) {
   const std::string head = "name = \"s\"\nscenes = [\"a\"]\n";
   EXPECT_NE(error(head).find("[[technique]]"), std::string::npos);

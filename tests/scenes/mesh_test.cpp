@@ -44,6 +44,26 @@ TEST(Shapes, BowlIsOpenAndFacesInward) {
   }
 }
 
+TEST(Shapes, PrimitivesDependOnTheirSeedAlone) {
+  const Mesh a = make_primitives(7), b = make_primitives(7), c = make_primitives(8);
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_NE(a.positions, c.positions);
+  EXPECT_EQ(a.positions[0], make_primitives(7, 3).positions[0]);
+  const Bounds box = bounds(a);
+  EXPECT_GT(box.low.y, -0.2f);
+  EXPECT_LT(box.high.y, 2.2f);
+  EXPECT_LT(std::max({box.high.x, -box.low.x, box.high.z, -box.low.z}), 2.2f);
+}
+
+TEST(Shapes, OnesOfFlatFacesHaveTheirNormals) {
+  for (const char* name : {"fence", "two-blockers"}) {
+    Mesh mesh;
+    ASSERT_TRUE(make_shape(name, mesh));
+    for (const vec3& n : vertex_normals(mesh))
+      EXPECT_NEAR(std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}), 1, 1e-5);
+  }
+}
+
 TEST(Shapes, UnknownNameIsNotAShape) {
   Mesh mesh;
   EXPECT_FALSE(make_shape("teapot", mesh));

@@ -109,14 +109,14 @@ TEST(PcssRegion, ReadingsDifferAsTheySay) {
 
 TEST(PcssMultiScaleMap, EverySquareKnowsItsTexels) {
   for (const int edge : {1, 5, 16, 33})
-    for (const Layout layout : {Layout::full, Layout::reduced}) {
+    for (const LevelLayout layout : {LevelLayout::full, LevelLayout::reduced}) {
       const ShadowMap map = random_map(edge);
       MultiScaleMap levels;
       levels.build(map, layout, 99, true);
       ASSERT_EQ(levels.largest(), largest_level(edge));
       for (int level = 0; level <= levels.largest(); ++level) {
         const int stride = levels.stride(level);
-        EXPECT_EQ(stride, layout == Layout::full ? edge : edge - (1 << level) + 1);
+        EXPECT_EQ(stride, layout == LevelLayout::full ? edge : edge - (1 << level) + 1);
         for (int y = 0; y < stride; ++y)
           for (int x = 0; x < stride; ++x) {
             float low = INFINITY, high = -INFINITY;
@@ -138,8 +138,8 @@ TEST(PcssMultiScaleMap, EverySquareKnowsItsTexels) {
 TEST(PcssMultiScaleMap, SerialAndParallelAgreeAndLevelsCanBeFew) {
   const ShadowMap map = random_map(64);
   MultiScaleMap a, b;
-  a.build(map, Layout::reduced, 6, true);
-  b.build(map, Layout::reduced, 3, false);
+  a.build(map, LevelLayout::reduced, 6, true);
+  b.build(map, LevelLayout::reduced, 3, false);
   EXPECT_EQ(b.largest(), 3);
   EXPECT_LT(b.bytes(), a.bytes());
   for (int x = 0; x < 50; ++x) {
@@ -152,7 +152,7 @@ TEST(PcssMultiScaleMap, SerialAndParallelAgreeAndLevelsCanBeFew) {
 TEST(PcssQuadtree, DownToTexelsItCountsExactly) {
   const ShadowMap map = random_map(64);
   MultiScaleMap levels;
-  levels.build(map, Layout::reduced, 6, false);
+  levels.build(map, LevelLayout::reduced, 6, false);
   const LeafSamples samples(make_sample_image(), map);
   std::mt19937 random(11);
   for (int k = 0; k < 300; ++k) {
@@ -177,7 +177,7 @@ TEST(PcssQuadtree, VectorisedEqualsRecursive) {
   MultiScaleMap levels;
   const LeafSamples samples(make_sample_image(), map);
   std::mt19937 random(13);
-  for (const Layout layout : {Layout::full, Layout::reduced}) {
+  for (const LevelLayout layout : {LevelLayout::full, LevelLayout::reduced}) {
     levels.build(map, layout, 7, false);
     for (int k = 0; k < 2000; ++k) {
       const int level = int(random() % 8), depth = int(random() % 8), leaf_level = std::max(0, level - depth);
@@ -204,7 +204,7 @@ TEST(PcssQuadtree, APlaneAtTheReceiversDepthDoesNotBlock) {
   ShadowMap map = random_map(16);
   std::fill(map.depth.begin(), map.depth.end(), 2.0f);
   MultiScaleMap levels;
-  levels.build(map, Layout::reduced, 4, false);
+  levels.build(map, LevelLayout::reduced, 4, false);
   const LeafSamples samples(make_sample_image(), map);
   Blockers found;
   traverse<true>(levels, {0, 0, 4}, 1, 2.0f, nearest_leaf, found);
