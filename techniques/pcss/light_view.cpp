@@ -81,10 +81,12 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
   view.resolution = settings.resolution;
   set_axes(light, settings.light_scale, view);
   const Depths depths = measure(view, mesh);
-  view.texel = 1.0f / float(settings.resolution);
   view.near = 1.0f;
   view.farthest = farthest_receiver(view, receivers);
-  if (!(depths.far > 0.0f)) return view;  // nothing in front of the light: an empty map
+  if (!(depths.far > 0.0f)) {  // nothing in front of the light: an empty map
+    view.density = float(settings.resolution);
+    return view;
+  }
 
   const Bounds box = bounds(mesh);
   view.near = std::max(depths.near, 1e-3f * glm::length(box.extent()));
@@ -96,8 +98,7 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
   }
   const vec2 edges(glm::length(view.edge_u), glm::length(view.edge_v));
   const vec2 most = view.perspective ? vec2(6.0f) / edges : vec2(infinity);  // tan of 80 degrees
-  view.low = vec2(0.0f), view.texel = 1.0f;                                  // project() gives q itself
-  Box window;
+  Box window;  // low and density are still 0 and 1: project() and widest() give q itself
   for (const vec3& p : mesh.positions) {
     const float z = view.depth(p);
     if (!(z > 0.0f)) continue;
@@ -112,8 +113,9 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
   const vec2 extent = window.high - window.low, middle = 0.5f * (window.low + window.high);
   const float edge = std::max({extent.x, extent.y, 1e-6f}) * (1.0f + 2.0f / float(settings.resolution));
   view.low = middle - 0.5f * edge;
-  view.texel = edge / float(settings.resolution);
-  view.metres = view.texel * std::max(edges.x, edges.y);
+  view.density = float(settings.resolution) / edge;
+  view.spread *= view.density;
+  view.metres = std::max(edges.x, edges.y) / view.density;
   return view;
 }
 

@@ -20,11 +20,11 @@ struct LightView {
   vec3 edge_u{1, 0, 0}, edge_v{0, 0, 1};      ///< orthonormal where the light has no area
   vec3 across_u{1, 0, 0}, across_v{0, 0, 1};  ///< reciprocal: across_u . edge_u = 1, across_u . edge_v = 0
   vec2 shear{0.0f};                           ///< orthographic: edges sideways per metre of depth
-  float spread = 1.0f;                        ///< s, or s / D
+  float spread = 1.0f;                        ///< s, or s / D, in texels
   float near = 0.0f;                          ///< least depth of the occluder, m; > 0
   float farthest = 0.0f;                      ///< depth of the farthest receiver, m; 0 if none is in front
   vec2 low{0.0f};                             ///< q of the map's corner
-  float texel = 1.0f;                         ///< edge of a texel in q
+  float density = 1.0f;                       ///< texels per unit of q
   int resolution = 1;                         ///< texels along an edge
   float metres = 1.0f;                        ///< longer edge of a texel in space, m per m of depth (orthographic: m)
 
@@ -35,13 +35,11 @@ struct LightView {
     const vec3 to = p - centre;
     const vec2 ab(glm::dot(across_u, to), glm::dot(across_v, to));
     const vec2 q = perspective ? ab / z : ab - shear * z;
-    return (q - low) / texel;
+    return (q - low) * density;
   }
 
   /// Full width in texels that the light covers at depth z, seen from depth d; not positive if z >= d.
-  PENUMBRA_HD float width(float z, float d) const {
-    return (perspective ? spread * (1.0f / z - 1.0f / d) : spread * (d - z)) / texel;
-  }
+  PENUMBRA_HD float width(float z, float d) const { return spread * (perspective ? 1.0f / z - 1.0f / d : d - z); }
 
   /// The region's width as it is used: not negative, and cut to the map, which holds every blocker that is wanted
   /// unless it is cut itself or its margin is less than 1. `scale` is the c of Zhu et al. 2019.
@@ -61,7 +59,7 @@ struct LightView {
   vec3 ray_direction(int column, int row) const;
 
  private:
-  vec2 middle(int column, int row) const { return low + texel * vec2(float(column) + 0.5f, float(row) + 0.5f); }
+  vec2 middle(int column, int row) const { return low + vec2(float(column) + 0.5f, float(row) + 0.5f) / density; }
 };
 
 struct LightViewSettings {

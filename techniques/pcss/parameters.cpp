@@ -16,15 +16,18 @@ Parameter scale_parameter() {
   return number_parameter("filter_scale", 1.0, 0.0, 16.0, "", "c: filter width over penumbra width");
 }
 
-std::vector<Parameter> multi_scale_parameters(const char* layout, const char* other) {
-  return {choice_parameter("levels", {layout, other}, "squares of the multi-scale map: all, or those on the map"),
+/// The default of each choice comes first.
+std::vector<Parameter> multi_scale_parameters(const std::vector<ParameterValue>& levels,
+                                              const std::vector<ParameterValue>& snap_size,
+                                              const std::vector<ParameterValue>& snap_place) {
+  return {choice_parameter("levels", levels, "squares of the multi-scale map: all, or those on the map"),
           choice_parameter("build", {"needed", "all"}, "levels up to the widest region of the frame, or all"),
           choice_parameter("refine", {"on", "off"}, "shrink the search region by the least depth in it"),
           integer_parameter("depth", 3, 0, 14, "levels", "of the quadtree below a region; 14: single texels"),
           choice_parameter("snap_end", {"inclusive", "exclusive"}, "is texel ceil(x + s/2) part of a region?"),
-          choice_parameter("snap_size", {"nearest", "up", "overlap"},
+          choice_parameter("snap_size", snap_size,
                            "a region's power of two: nearer, never smaller, or (refining) four squares that cover it"),
-          choice_parameter("snap_place", {"corner", "centre"}, "what a region keeps when it is resized")};
+          choice_parameter("snap_place", snap_place, "what a region keeps when it is resized")};
 }
 
 Snapping read_snapping(const Parameters& p) {
@@ -69,7 +72,7 @@ std::vector<Parameter> pcss_parameters() {
 
 std::vector<Parameter> hqepcss_parameters() {
   return joined({pcss_parameters(),
-                 multi_scale_parameters("full", "reduced"),
+                 multi_scale_parameters({"full", "reduced"}, {"up", "nearest", "overlap"}, {"centre", "corner"}),
                  {choice_parameter("search", {"nearest", "sampled", "texels"},
                                    "blocker depth: quadtree whose undecided leaves count at their least depth, or by "
                                    "samples; or every texel")}});
@@ -78,7 +81,7 @@ std::vector<Parameter> hqepcss_parameters() {
 std::vector<Parameter> fast_pcss_parameters() {
   return joined(
       {pcss_parameters(),
-       multi_scale_parameters("reduced", "full"),
+       multi_scale_parameters({"reduced", "full"}, {"nearest", "up", "overlap"}, {"corner", "centre"}),
        {choice_parameter("search", {"sampled", "nearest", "texels"}, "blocker depth: see hqepcss"),
         choice_parameter("filter", {"sampled", "nearest", "texels"}, "shadow: the same for the filter region"),
         integer_parameter("search_area", 4, 1, 16, "receivers", "edge of areas that share blocker depths; 1: none"),

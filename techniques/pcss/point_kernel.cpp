@@ -132,8 +132,8 @@ void Project(const LightView& view, const Receivers& r, float bias, Tile& tile) 
         const VF a = Dot(All(view.across_u), to), b = Dot(All(view.across_v), to);
         const VF qx = view.perspective ? hn::Div(a, z) : hn::Sub(a, hn::Mul(set(view.shear.x), z));
         const VF qy = view.perspective ? hn::Div(b, z) : hn::Sub(b, hn::Mul(set(view.shear.y), z));
-        const VF x = hn::Div(hn::Sub(qx, set(view.low.x)), set(view.texel));
-        const VF y = hn::Div(hn::Sub(qy, set(view.low.y)), set(view.texel));
+        const VF x = hn::Mul(hn::Sub(qx, set(view.low.x)), set(view.density));
+        const VF y = hn::Mul(hn::Sub(qy, set(view.low.y)), set(view.density));
         // depth_bias()
         const VF cosine = hn::Div(hn::Neg(Dot(n, to)), hn::Sqrt(Dot(to, to)));
         const VF sine = hn::Sqrt(hn::Max(zero, hn::Sub(one, hn::Mul(cosine, cosine))));
@@ -242,12 +242,11 @@ void SearchRegions(const LightView& view, const MultiScaleMap& levels, const Sof
     MF open = hn::Gt(depth, near);
     const VF safe = hn::Max(depth, near);
     VF width = Region(view, near, safe);
-    VI left, right, top, bottom;
-    TexelRange(x, width, left, right);
-    TexelRange(y, width, top, bottom);
-    const auto on_map = hn::And(hn::And(hn::Gt(right, SetInt(0)), hn::Lt(left, SetInt(n))),
-                                hn::And(hn::Gt(bottom, SetInt(0)), hn::Lt(top, SetInt(n))));
-    open = hn::And(open, hn::RebindMask(d, on_map));
+    // misses_map()
+    const VF half = hn::Mul(hn::Set(d, 0.5f), width), zero = hn::Zero(d), end = hn::Set(d, float(n));
+    const MF reaches = hn::And(hn::Ge(hn::Add(x, half), zero), hn::Ge(hn::Add(y, half), zero));
+    const MF begins = hn::And(hn::Lt(hn::Sub(x, half), end), hn::Lt(hn::Sub(y, half), end));
+    open = hn::And(open, hn::And(reaches, begins));
     Squares squares = {SetInt(0), SetInt(0), SetInt(-1)};
     if (options.refine) {
       MF searching = open;

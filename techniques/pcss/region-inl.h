@@ -21,7 +21,7 @@ HWY_INLINE V Region(const LightView& view, V z, V depth, float scale = 1.0f) {
   const hn::DFromV<V> d;
   const V one = hn::Set(d, 1.0f);
   const V span = view.perspective ? hn::Sub(hn::Div(one, z), hn::Div(one, depth)) : hn::Sub(depth, z);
-  const V width = hn::Div(hn::Mul(hn::Set(d, view.spread), span), hn::Set(d, view.texel));
+  const V width = hn::Mul(hn::Set(d, view.spread), span);
   return hn::Min(hn::Max(hn::Mul(hn::Set(d, scale), width), hn::Zero(d)), hn::Set(d, float(view.resolution)));
 }
 

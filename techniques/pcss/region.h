@@ -39,6 +39,12 @@ PENUMBRA_HD inline Texels texels_of(float x, float y, float width) {
   return t;
 }
 
+/// Does a region lie off a map of `edge` texels?
+PENUMBRA_HD inline bool misses_map(float x, float y, float width, int edge) {
+  const float half = 0.5f * width, end = float(edge);
+  return x + half < 0.0f || y + half < 0.0f || x - half >= end || y - half >= end;
+}
+
 /// Texels [left, left + 2^level) x [top, top + 2^level), all on the map; level -1: there is none.
 struct Square {
   int left = 0, top = 0, level = -1;

@@ -55,8 +55,7 @@ void SoftShadow::search_region(Tile& tile, int k) const {
   tile.square[k] = {};
   if (!(d > view.near)) return;
   float width = view.region(view.near, d);
-  const Texels t = texels_of(x, y, width);
-  if (t.right <= 0 || t.left >= n || t.bottom <= 0 || t.top >= n) return;
+  if (misses_map(x, y, width, n)) return;
   const auto snapped = [&] { return snap(x, y, width, n, levels_.largest(), options_.snapping); };
   if (options_.refine) {
     for (int i = 0; i < most_refinements; ++i) {
