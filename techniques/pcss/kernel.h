@@ -1,7 +1,7 @@
 // The vectorised steps of the family, compiled for every instruction set and dispatched at run time. They do the same
 // operations in the same order as their scalar twins wherever a rounding could move a region's edge; none is fused.
 //
-//   point_kernel.cpp:  a lane is a receiver
+//   point_kernel.cpp, sample_kernel.cpp, moment_kernel.cpp: a lane is a receiver
 //   region_kernel.cpp: a lane is a texel, a square or a sample of one receiver's region; image rows
 #pragma once
 

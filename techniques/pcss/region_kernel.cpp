@@ -80,7 +80,15 @@ Blockers BlockersOfTexels(const ShadowMap& map, const Texels& t, float d) {
   const int left = t.left > 0 ? t.left : 0, right = t.right < n ? t.right : n;
   const int top = t.top > 0 ? t.top : 0, bottom = t.bottom < n ? t.bottom : n;
   if (left >= right || top >= bottom) return {};
-  return WithVectors([&](auto vectors) { return TexelSums<vectors()>(map, left, right, top, bottom, d); });
+  constexpr int rows = 32;  // that floats may add up before a double takes over
+  double count = 0.0, depth_sum = 0.0;
+  for (int y = top; y < bottom; y += rows) {
+    const Blockers part = WithVectors([&](auto vectors) {
+      return TexelSums<vectors()>(map, left, right, y, y + rows < bottom ? y + rows : bottom, d);
+    });
+    count += double(part.count), depth_sum += double(part.depth_sum);
+  }
+  return {float(count), float(depth_sum)};
 }
 
 // --- squares of the multi-scale map ----------------------------------------------------------------------------------

@@ -22,13 +22,12 @@ struct Blockers {
 /// Texels outside the map are empty.
 inline Blockers blockers_of_texels(const ShadowMap& map, const Texels& t, float d) {
   const int n = map.resolution();
-  Blockers found;
+  int count = 0;
+  double depth_sum = 0.0;  // a region may have a million texels
   for (int y = std::max(t.top, 0); y < std::min(t.bottom, n); ++y)
-    for (int x = std::max(t.left, 0); x < std::min(t.right, n); ++x) {
-      const float z = map.at(x, y);
-      if (z < d) found.add(1.0f, z);
-    }
-  return found;
+    for (int x = std::max(t.left, 0); x < std::min(t.right, n); ++x)
+      if (const float z = map.at(x, y); z < d) ++count, depth_sum += double(z);
+  return {float(count), float(depth_sum)};
 }
 
 /// Leaf rule of Shen et al. 2014.

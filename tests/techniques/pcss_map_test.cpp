@@ -172,6 +172,17 @@ TEST(PcssQuadtree, DownToTexelsItCountsExactly) {
   }
 }
 
+TEST(PcssQuadtree, AMillionTexelsKeepTheirMean) {
+  ShadowMap map;
+  map.view.resolution = 1024;
+  map.depth.assign(map.index(0, 1024), 1.2345678f);
+  const Texels all{0, 1024, 0, 1024};
+  for (const Blockers& found : {blockers_of_texels(map, all, 2.0f), simd::blockers_of_texels(map, all, 2.0f)}) {
+    EXPECT_EQ(found.count, 1048576.0f);
+    EXPECT_NEAR(found.mean(), 1.2345678f, 1e-6f);
+  }
+}
+
 TEST(PcssQuadtree, VectorisedEqualsRecursive) {
   const ShadowMap map = random_map(128);
   MultiScaleMap levels;
