@@ -80,7 +80,7 @@ Blockers BlockersOfTexels(const ShadowMap& map, const Texels& t, float d) {
   const int left = t.left > 0 ? t.left : 0, right = t.right < n ? t.right : n;
   const int top = t.top > 0 ? t.top : 0, bottom = t.bottom < n ? t.bottom : n;
   if (left >= right || top >= bottom) return {};
-  constexpr int rows = 32;  // that floats may add up before a double takes over
+  const int rows = std::max(1, 4096 / (right - left));  // of floats that are added up before a double takes over
   double count = 0.0, depth_sum = 0.0;
   for (int y = top; y < bottom; y += rows) {
     const Blockers part = WithVectors([&](auto vectors) {

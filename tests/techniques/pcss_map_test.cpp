@@ -179,7 +179,7 @@ TEST(PcssQuadtree, AMillionTexelsKeepTheirMean) {
   const Texels all{0, 1024, 0, 1024};
   for (const Blockers& found : {blockers_of_texels(map, all, 2.0f), simd::blockers_of_texels(map, all, 2.0f)}) {
     EXPECT_EQ(found.count, 1048576.0f);
-    EXPECT_NEAR(found.mean(), 1.2345678f, 1e-6f);
+    EXPECT_NEAR(found.mean(), 1.2345678f, 5e-6f);
   }
 }
 
