@@ -66,6 +66,7 @@ struct Query {
 std::vector<Query> queries(const ShadowMap& map) {
   std::mt19937 random(1);
   std::vector<Query> all;
+  all.reserve(4096);
   const auto room = unsigned(map.resolution() - 63);
   for (int k = 0; k < 4096; ++k)
     all.push_back({{int(random() % room), int(random() % room), 6}, 0.95f * map.view.farthest});

@@ -15,6 +15,7 @@ std::vector<float> gaussian(int radius) {
     sum += (k ? 2.0 : 1.0) * weights.back();
   }
   std::vector<float> kernel;
+  kernel.reserve(weights.size());
   for (const double w : weights) kernel.push_back(float(w / sum));
   return kernel;
 }

@@ -50,7 +50,7 @@ Moments MomentTable::mean(const Texels& t) const {
   const auto cut = [&](int k) { return std::size_t(std::clamp(k, 0, edge_)); };
   const std::size_t stride = std::size_t(edge_) + 1;
   const std::size_t l = cut(t.left), r = cut(t.right), top = cut(t.top) * stride, bottom = cut(t.bottom) * stride;
-  const double count = t.count(), outside = count - double(r - l) * double((bottom - top) / stride);
+  const double count = t.count(), outside = count - double((r - l) * (cut(t.bottom) - cut(t.top)));
   Moments b{};
   for (std::size_t j = 0; j < 4; ++j) {
     const auto& s = sums_[j];

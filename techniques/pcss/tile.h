@@ -29,7 +29,7 @@ struct Tile {
 
   void place(int c, int r, int wide, int high) {
     column = c, row = r, columns = wide, rows = high;
-    const auto n = std::size_t(size() + padding);
+    const std::size_t n = std::size_t(size()) + padding;
     for (auto* field : {&x, &y, &depth, &width, &blocker, &visibility}) field->resize(n);
     square.resize(n), representative.resize(n);
     clear_padding();
