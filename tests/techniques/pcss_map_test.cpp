@@ -331,11 +331,9 @@ TEST(PcssReuse, DistanceCanBeRelativeToTheSize) {
 TEST(PcssBlur, KeepsConstantsAndSkipsWhatShowsNothing) {
   for (const auto& [width, height] : {std::pair(40, 21), {3, 2}, {1, 1}, {33, 1}}) {
     MaskedImage image{width, height, {}, {}}, between = image;
-    std::mt19937 random(17);
     for (int i = 0; i < width * height; ++i) {
       image.weight.push_back(i % 7 == 3 ? 0.0f : 1.0f);
-      image.value.push_back(i % 7 == 3 ? NAN : 0.25f);
-      if (i % 7 == 3) image.value.back() = 99.0f;
+      image.value.push_back(i % 7 == 3 ? 99.0f : 0.25f);
     }
     between.value.resize(image.value.size()), between.weight.resize(image.value.size());
     std::vector<float> out(image.value.size());
