@@ -4,7 +4,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <sstream>
 
@@ -13,11 +12,6 @@
 
 namespace penumbra {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void initialise_once() {
   static const bool done = [] {
@@ -59,6 +53,7 @@ void run_repetition(benchmark::State& state, TimedItem& item, Animation& animati
   double update = 0.0, shade = 0.0;
   std::vector<Stage> stages;
   int index = 0;
+  const std::unique_ptr<Clock> clock = item.technique->make_clock();
   tbb::task_arena arena(item.threads);
   for (auto _ : state) {
     if (interrupted() || !item.failure.empty()) {
@@ -66,30 +61,30 @@ void run_repetition(benchmark::State& state, TimedItem& item, Animation& animati
       break;
     }
     const Frame frame = animation.frame(index++ % animation.frames());
-    double seconds[2];
+    double ms[2];
     try {
       arena.execute([&] {
-        const auto start = Clock::now();
+        clock->start();
         item.technique->update(frame);
-        seconds[0] = seconds_since(start);
+        ms[0] = clock->lap();
         item.technique->shade({image.data(), scene.receivers.width, scene.receivers.height});
-        seconds[1] = seconds_since(start) - seconds[0];
+        ms[1] = clock->lap();
       });
     } catch (const std::exception& e) {
       item.failure = e.what();
       state.SkipWithError(e.what());
       break;
     }
-    update += seconds[0], shade += seconds[1];
+    update += ms[0], shade += ms[1];
     add_stages(item.technique->stages(), stages);
-    state.SetIterationTime(seconds[0] + seconds[1]);
+    state.SetIterationTime(1e-3 * (ms[0] + ms[1]));
   }
   if (index != item.iterations) return;
-  const double to_ms = 1e3 / double(index);
-  item.update_ms.push_back(update * to_ms);
-  item.shade_ms.push_back(shade * to_ms);
-  item.frame_ms.push_back((update + shade) * to_ms);
-  add_samples(stages, 1.0 / double(index), item.stages);
+  const double share = 1.0 / double(index);
+  item.update_ms.push_back(update * share);
+  item.shade_ms.push_back(shade * share);
+  item.frame_ms.push_back((update + shade) * share);
+  add_samples(stages, share, item.stages);
 }
 
 }  // namespace

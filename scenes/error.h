@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
+#include "scenes/unsupported.h"
 
 namespace penumbra {
 
@@ -13,12 +13,6 @@ class Error : public std::runtime_error {
   template <class... Args>
   explicit Error(fmt::format_string<Args...> text, Args&&... args)
       : std::runtime_error(fmt::format(text, std::forward<Args>(args)...)) {}
-};
-
-/// The combination makes no sense (a technique that needs spheres on a scene without any): the row is skipped.
-class Unsupported : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 }  // namespace penumbra

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 packages=(
   g++ cmake ninja-build ccache git
   libbenchmark-dev libgtest-dev libgmock-dev
-  libembree-dev libtbb-dev libhwy-dev libglm-dev libassimp-dev libnlopt-dev libnlopt-cxx-dev libeigen3-dev
+  libembree-dev libtbb-dev libhwy-dev libglm-dev libboost-context-dev libassimp-dev libnlopt-dev libnlopt-cxx-dev libeigen3-dev
   libopenimageio-dev openimageio-tools libopencv-core-dev # OpenImageIO's CMake files name the last two
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libspdlog-dev
   glmark2-data blender-data # bunny, horse, cat; eight environments

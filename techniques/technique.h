@@ -1,7 +1,9 @@
 // The interface behind which every technique sits: one algorithm on one backend with fixed parameters.
 #pragma once
 
+#include <chrono>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,6 +40,28 @@ struct Approximation {
   std::vector<vec3> radiance;  ///< receivers in row order; empty in the last: the technique's own image
 };
 
+/// Measures what a backend does: the time of the machine that does it.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual void start() = 0;
+  virtual double lap() = 0;  ///< milliseconds since start() or the lap before
+};
+
+/// The CPU's.
+class SteadyClock final : public Clock {
+ public:
+  void start() override { last_ = std::chrono::steady_clock::now(); }
+  double lap() override {
+    const auto before = last_;
+    start();
+    return std::chrono::duration<double, std::milli>(last_ - before).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_;
+};
+
 class Technique {
  public:
   virtual ~Technique() = default;
@@ -65,6 +89,9 @@ class Technique {
   /// For the frame of the last update(): what each approximation adds to the error, if the technique can tell them
   /// apart. Not timed.
   virtual std::vector<Approximation> approximations() const { return {}; }
+
+  /// What update() and shade() are timed with.
+  virtual std::unique_ptr<Clock> make_clock() const { return std::make_unique<SteadyClock>(); }
 
   /// Instruction set that the inner loops run on, e.g. "AVX3"; empty for plain code.
   virtual std::string instruction_set() const { return ""; }

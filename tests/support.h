@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "cuda/host/registry.h"
 #include "scenes/shapes.h"
 #include "techniques/registry.h"
 
@@ -62,7 +63,7 @@ inline std::vector<vec3> shade(Technique& technique, const Scene& scene) {
 
 inline std::vector<vec3> shade(const std::string& name, const std::string& backend,
                                const std::vector<std::string>& parameters, const Scene& scene) {
-  static const Registry registry = make_registry();
+  static const Registry registry = cuda_on_host::make_registry();
   const auto technique = make_technique(registry.find(name, backend), parse_parameters(parameters));
   return shade(*technique, scene);
 }

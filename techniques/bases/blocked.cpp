@@ -38,8 +38,7 @@ void LineCones::assign(int edge, const std::vector<vec3>& directions) {
 std::uint64_t lines_above_horizon(const LineCones& cones, vec3 normal) {
   std::uint64_t active = 0;
   for (std::size_t line = 0; line < cones.axis.size(); ++line)
-    if (cones.cosine[line] <= 0.0f || glm::dot(cones.axis[line], normal) > -cones.sine[line] - 1e-5f)
-      active |= std::uint64_t(1) << line;
+    if (above_horizon(cones.cone(line), normal)) active |= std::uint64_t(1) << line;
   return active;
 }
 

@@ -22,6 +22,7 @@ struct LineCones {
   std::vector<float> direction[3];
   std::vector<vec3> axis;
   std::vector<float> sine, cosine;
+  Cone cone(std::size_t line) const { return {axis[line], sine[line], cosine[line]}; }
   void assign(int edge, const std::vector<vec3>& directions);
 };
 

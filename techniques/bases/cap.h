@@ -32,6 +32,25 @@ PENUMBRA_HD inline bool covers(const Cap& cap, vec3 direction) {
   return dot_in_order(direction, cap.axis) >= cap.cosine;
 }
 
+/// Directions within an angle of an axis: the bounds of a line of 512 texels, with room for rounding.
+struct Cone {
+  vec3 axis;
+  float sine, cosine;  ///< of the half angle
+};
+
+/// May any of the cone's directions lie above the horizon of the normal?
+PENUMBRA_HD inline bool above_horizon(const Cone& cone, vec3 normal) {
+  return cone.cosine <= 0.0f || glm::dot(cone.axis, normal) > -cone.sine - 1e-5f;
+}
+
+/// May the cap cover any of the cone's directions?
+PENUMBRA_HD inline bool may_cover(const Cap& cap, const Cone& cone) {
+  if (cap.cosine > 1.0f) return false;
+  if (cap.cosine < 0.0f || cone.cosine <= 0.0f) return true;
+  const float sine = std::sqrt(1.0f - cap.cosine * cap.cosine);
+  return glm::dot(cap.axis, cone.axis) >= cap.cosine * cone.cosine - sine * cone.sine - 1e-5f;
+}
+
 /// ORs into `blocked` every texel centre that some sphere covers, seen from x. `directions` are the 6 n n unit centres.
 void rasterise_spheres(const SphereSet& spheres, vec3 x, const std::vector<vec3>& directions, BitCube& blocked);
 

@@ -6,17 +6,6 @@
 
 namespace penumbra::haar {
 
-int levels_of(int n) {
-  assert(std::has_single_bit(unsigned(n)));
-  return std::countr_zero(unsigned(n));
-}
-
-Place place_of(int index) {
-  const int level = (std::bit_width(unsigned(index)) - 1) / 2, squares = 1 << (2 * level);
-  const int within = index % squares;
-  return {{level, within & ((1 << level) - 1), within >> level}, index / squares - 1};
-}
-
 double tripling_coefficient(int u, int v, int w) {
   int f[3] = {u, v, w};
   std::sort(f, f + 3);  // the scale first, then coarse to fine
@@ -99,14 +88,7 @@ void transform_visibility(const BitCube& blocked, TwoLevel& out) {
 }
 
 float coefficient(const TwoLevel& v, int face, int index) {
-  const int per_face = v.blocks_per_face();
-  if (index < per_face) return v.level1[std::size_t(face) * per_face + index];
-  const auto [s, mother] = place_of(index);
-  const int m = v.n / 4, block_level = levels_of(m), deep = s.level - block_level;  // 0 or 1 within the block
-  const int block = (s.j >> deep) * m + (s.i >> deep);
-  const int local = coefficient_index({deep, s.i & deep, s.j & deep}, mother);
-  const float value = binary_table()[v.blocks[std::size_t(face) * per_face + block]][local];
-  return -value * (1.0f / 16.0f) / float(m);  // V = 1 - blocked: the sign turns; block-local to global: 2^-block_level
+  return two_level_coefficient(v.level1, v.blocks, binary_table(), v.n, face, index);
 }
 
 std::vector<float> coefficients(const TwoLevel& v, int face) {

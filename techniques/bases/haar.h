@@ -25,7 +25,7 @@ struct Square {
 };
 
 /// Coefficients of a face lie as: the scale at 0, then for each level l the three mothers, each 4^l squares in rows.
-inline int coefficient_index(Square s, int mother) {
+PENUMBRA_HD constexpr int coefficient_index(Square s, int mother) {
   return (1 << (2 * s.level)) * (1 + mother) + (s.j << s.level) + s.i;
 }
 struct Place {
@@ -33,20 +33,27 @@ struct Place {
   int mother;
 };
 /// The inverse; index > 0.
-Place place_of(int index);
+PENUMBRA_HD constexpr Place place_of(int index) {
+  const int level = (std::bit_width(unsigned(index)) - 1) / 2, squares = 1 << (2 * level);
+  const int within = index % squares;
+  return {{level, within & ((1 << level) - 1), within >> level}, index / squares - 1};
+}
 
 /// Squares of a mean pyramid lie as: level 0, then level 1, ... up to and with the pixels at level `levels`.
-inline int pyramid_index(Square s) {
+PENUMBRA_HD constexpr int pyramid_index(Square s) {
   return ((1 << (2 * s.level)) - 1) / 3 + (s.j << s.level) + s.i;
 }
-inline int pyramid_size(int levels) {
+PENUMBRA_HD constexpr int pyramid_size(int levels) {
   return ((1 << (2 * levels + 2)) - 1) / 3;
 }
 /// log2 n; n is a power of two.
-int levels_of(int n);
+PENUMBRA_HD constexpr int levels_of(int n) {
+  assert(std::has_single_bit(unsigned(n)));
+  return std::countr_zero(unsigned(n));
+}
 
 /// Sign of mother M on quadrant (qx, qy) of its square.
-inline int sign_of(int mother, int qx, int qy) {
+PENUMBRA_HD constexpr int sign_of(int mother, int qx, int qy) {
   return (mother != m10 && qx ? -1 : 1) * (mother != m01 && qy ? -1 : 1);
 }
 
@@ -141,6 +148,7 @@ class BinaryTable {
   using Row = std::int8_t[16];
   BinaryTable();
   const Row& operator[](unsigned block) const { return rows_[block]; }
+  int at(unsigned block, int entry) const { return rows_[block][entry]; }
   std::size_t bytes() const { return sizeof rows_; }
 
  private:
@@ -161,7 +169,22 @@ struct TwoLevel {
 /// Transform of a bit cube through the table. Bits are *blocked*; the result is of V = 1 - blocked.
 void transform_visibility(const BitCube& blocked, TwoLevel& out);
 
-/// Coefficient `index` of face `face` from the store.
+/// Coefficient `index` of face `face` from the two levels: arrays of coefficients and of block indices as in TwoLevel,
+/// and a table with at(block, entry).
+template <class Level1, class Blocks, class Table>
+PENUMBRA_HD float two_level_coefficient(const Level1& level1, const Blocks& blocks, const Table& table, int n, int face,
+                                        int index) {
+  const int m = n / 4, per_face = m * m;
+  if (index < per_face) return level1[std::size_t(face * per_face + index)];
+  const auto [s, mother] = place_of(index);
+  const int deep = s.level - levels_of(m);  // 0 or 1 within the block
+  const int block = (s.j >> deep) * m + (s.i >> deep);
+  const int local = coefficient_index({deep, s.i & deep, s.j & deep}, mother);
+  const auto value = float(table.at(blocks[std::size_t(face * per_face + block)], local));
+  return -value * (1.0f / 16.0f) / float(m);  // V = 1 - blocked: the sign turns; block-local to global: 2^-block_level
+}
+
+/// The same from the store.
 float coefficient(const TwoLevel& v, int face, int index);
 
 /// All N coefficients of a face.

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <new>
 
-#include "scenes/cube_map.h"
 #include "scenes/error.h"
 
 namespace penumbra {
@@ -66,18 +65,6 @@ void SphereTable::build_direction(int texel, const std::vector<vec3>& directions
   }
 }
 
-int SphereTable::entry(vec3 centre, float radius, vec3 x) const {
-  const vec3 to = centre - x;
-  const float d2 = dot_in_order(to, to);
-  const float r2 = radius * radius;
-  if (!(r2 > 0.0f)) return -2;
-  if (!(r2 < d2)) return -1;
-  const float ratio2 = r2 / d2;
-  int bin = 0;
-  while (ratio2 >= thresholds_[bin]) ++bin;
-  return cube_texel(to, n_) * bins + bin;
-}
-
 std::size_t SphereTable::bytes() const {
   return masks_.size() * (words() * sizeof(std::uint32_t) + sizeof(std::uint16_t));
 }
@@ -85,8 +72,8 @@ std::size_t SphereTable::bytes() const {
 void merge_spheres(const SphereTable& table, const SphereSet& spheres, vec3 x, BitCube& blocked) {
   for (const Sphere& sphere : spheres.spheres) {
     const int entry = table.entry(sphere.centre, sphere.radius, x);
-    if (entry == -2) continue;
-    if (entry == -1) return blocked.fill(true);
+    if (entry == blocks_nothing) continue;
+    if (entry == blocks_everything) return blocked.fill(true);
     const auto bits = table.bits(entry);
     for (std::size_t w = 0; w < bits.size(); ++w) blocked.words[w] |= bits[w];
   }

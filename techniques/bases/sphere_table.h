@@ -6,12 +6,30 @@
 #include <memory>
 #include <span>
 
+#include "scenes/cube_map.h"
 #include "techniques/bases/cap.h"
 
 namespace penumbra {
 
 /// How r = R / distance is quantised. The paper does not say; uniform in the angle has a third of the area error.
 enum class RadiusBins { uniform_angle, uniform_ratio };
+
+/// What a look-up answers where no entry is needed: the sphere's radius is 0, or the point lies inside it.
+inline constexpr int blocks_nothing = -2, blocks_everything = -1;
+
+/// Entry for a sphere seen from x: texel of its centre times the number of bins, plus the bin of r = R / distance.
+/// `thresholds`: see SphereTable::thresholds().
+template <class Thresholds>
+PENUMBRA_HD int sphere_table_entry(const Thresholds& thresholds, int n, vec3 centre, float radius, vec3 x) {
+  const vec3 to = centre - x;
+  const float d2 = dot_in_order(to, to), r2 = radius * radius;
+  if (!(r2 > 0.0f)) return blocks_nothing;
+  if (!(r2 < d2)) return blocks_everything;
+  const float ratio2 = r2 / d2;
+  int bin = 0;
+  while (ratio2 >= thresholds[bin]) ++bin;
+  return cube_texel(to, n) * 32 + bin;
+}
 
 class SphereTable {
  public:
@@ -22,8 +40,8 @@ class SphereTable {
 
   int n() const { return n_; }
   int words() const { return 6 * n_ * n_ / 32; }
-  /// Entry of a sphere seen from x, or -1 if x is inside (all blocked), -2 if its radius is 0 (nothing blocked).
-  int entry(vec3 centre, float radius, vec3 x) const;
+  /// Entry of a sphere seen from x, or blocks_nothing, or blocks_everything.
+  int entry(vec3 centre, float radius, vec3 x) const { return sphere_table_entry(thresholds_, n_, centre, radius, x); }
   std::span<const std::uint32_t> bits(int entry) const {
     return {data_.get() + std::size_t(entry) * words(), std::size_t(words())};
   }

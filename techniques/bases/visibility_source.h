@@ -25,8 +25,10 @@ class VisibilitySource {
   void update(const Frame& frame);
 
   int resolution() const { return n_; }
+  bool traces_rays() const { return kind_ == Kind::rays; }
   const std::vector<vec3>& directions() const { return directions_; }
   const LineCones& cones() const { return cones_; }
+  const SphereSet& spheres() const { return *spheres_; }
 
   /// Blocked texels of a receiver, one sphere or ray after the other: the oracle.
   void find_blocked(int receiver, BitCube& blocked) const;

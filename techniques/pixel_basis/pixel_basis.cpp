@@ -5,49 +5,38 @@
 #include <tbb/parallel_for.h>
 
 #include "techniques/bases/distinct_normals.h"
-#include "techniques/bases/visibility_source.h"
 #include "techniques/pixel_basis/kernel.h"
 #include "techniques/registry.h"
 
 namespace penumbra {
+
+void PixelBasis::prepare(const Scene& scene) {
+  visibility_.prepare(scene);
+  receivers_ = &scene.receivers;
+  light_ = CubeLight(*environment_of(scene.light), visibility_.resolution());
+}
+
+void PixelBasis::update(const Frame& frame) {
+  visibility_.update(frame);
+  receivers_ = &frame.receivers;
+  if (frame.changed.light) light_ = CubeLight(*environment_of(frame.light), visibility_.resolution());
+}
+
+void PixelBasis::shade(View<vec3> radiance) {
+  for (int i = 0; i < receivers_->size(); ++i) {
+    BitCube blocked(visibility_.resolution());
+    visibility_.find_blocked(i, blocked);
+    radiance[i] = pixel_sum(light_, blocked, receivers_->normal[i], receivers_->albedo[i]);
+  }
+}
+
+Footprint PixelBasis::footprint() const {
+  Footprint bytes = visibility_.footprint();
+  bytes.per_scene += light_.directions.size() * (2 * sizeof(vec3) + sizeof(float));
+  return bytes;
+}
+
 namespace {
-
-/// The paper's equation.
-class PixelBasis : public Technique {
- public:
-  explicit PixelBasis(const Parameters& p) : visibility_(p, "pixel-basis") {}
-
-  void prepare(const Scene& scene) override {
-    visibility_.prepare(scene);
-    receivers_ = &scene.receivers;
-    light_ = CubeLight(*environment_of(scene.light), visibility_.resolution());
-  }
-
-  void update(const Frame& frame) override {
-    visibility_.update(frame);
-    receivers_ = &frame.receivers;
-    if (frame.changed.light) light_ = CubeLight(*environment_of(frame.light), visibility_.resolution());
-  }
-
-  void shade(View<vec3> radiance) override {
-    for (int i = 0; i < receivers_->size(); ++i) {
-      BitCube blocked(visibility_.resolution());
-      visibility_.find_blocked(i, blocked);
-      radiance[i] = pixel_sum(light_, blocked, receivers_->normal[i], receivers_->albedo[i]);
-    }
-  }
-
-  Footprint footprint() const override {
-    Footprint bytes = visibility_.footprint();
-    bytes.per_scene += light_.directions.size() * (2 * sizeof(vec3) + sizeof(float));
-    return bytes;
-  }
-
- protected:
-  VisibilitySource visibility_;
-  CubeLight light_;
-  const Receivers* receivers_ = nullptr;
-};
 
 /// Vectorised over spheres and texels, parallel over receivers.
 class PixelBasisSimd final : public PixelBasis {

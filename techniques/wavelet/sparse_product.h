@@ -43,7 +43,7 @@ std::vector<Term> keep_largest(const Function& f, int count, double gamma);
 std::vector<Term> keep_largest_effect(const Function& p, std::span<const Function> light, int count);
 
 /// Which coefficients of V a product may look at: only level 1 of the two-level store (GPU-I), or both (GPU-II).
-inline bool in_level1(int n, int index) {
+PENUMBRA_HD inline bool in_level1(int n, int index) {
   return index < n * n / 16;
 }
 
@@ -53,34 +53,41 @@ struct Levels {
 };
 
 /// psum(V) of level 1 exists down to the 4 x 4 blocks; finer squares use the block they lie in.
-inline haar::Square within_level1(int n, haar::Square s) {
-  const int block_level = haar::levels_of(n) - 2, up = std::max(0, s.level - block_level);
+PENUMBRA_HD inline haar::Square within_level1(int n, haar::Square s) {
+  const int block_level = haar::levels_of(n) - 2, deeper = s.level - block_level, up = deeper > 0 ? deeper : 0;
   return {s.level - up, s.i >> up, s.j >> up};
 }
 
+/// What one kept term of p adds, and (add_light_term) one of L: case 2 and case 3 of the theorem. `P` and `L` have
+/// at(), mean() and n, as Function. Calls sink.coefficient(face, index, weight) for weight * V_index and
+/// sink.mean(face, square, weight) for weight * psum(V, square).
+template <class P, class L, class Sink>
+PENUMBRA_HD void add_p_term(const P& p, const L& light, Term t, Levels levels, Sink& sink) {
+  const auto visible = [&](int level) { return level == 2 || in_level1(p.n, t.index); };
+  const auto [s, a] = haar::place_of(t.index);
+  const int b = haar::coefficient_index(s, (a + 1) % 3), c = haar::coefficient_index(s, (a + 2) % 3);
+  const float pa = p.at(t.face, t.index);
+  if (visible(levels.light)) {  // case 2: same square, three types
+    sink.coefficient(t.face, c, float(1 << s.level) * pa * light.at(t.face, b));
+    sink.coefficient(t.face, b, float(1 << s.level) * pa * light.at(t.face, c));
+  }
+  const haar::Square seen = levels.p == 2 ? s : within_level1(p.n, s);
+  sink.mean(t.face, seen, pa * light.at(t.face, t.index));                               // case 3: p L psum(V)
+  if (visible(levels.p)) sink.coefficient(t.face, t.index, pa * light.mean(t.face, s));  // p V psum(L)
+}
+template <class P, class L, class Sink>
+PENUMBRA_HD void add_light_term(const P& p, const L& light, Term t, Levels levels, Sink& sink) {
+  if (levels.light == 2 || in_level1(p.n, t.index))  // case 3: L V psum(p)
+    sink.coefficient(t.face, t.index, light.at(t.face, t.index) * p.mean(t.face, haar::place_of(t.index).square));
+}
+
 /// Sparse, asymmetric triple product: loops over the kept terms of p and L, everything else from the complete stores.
-/// Calls sink.coefficient(face, index, weight) for weight * V_index and sink.mean(face, square, weight) for
-/// weight * psum(V, square).
 template <class Sink>
 void triple_product(const Function& p, const Function& light, std::span<const Term> kept_p,
                     std::span<const Term> kept_light, Levels levels, Sink& sink) {
-  const auto visible = [&](int index, int level) { return level == 2 || in_level1(p.n, index); };
   for (int face = 0; face < 6; ++face) sink.coefficient(face, 0, p.at(face, 0) * light.at(face, 0));  // case 1
-  for (const Term& t : kept_p) {
-    const auto [s, a] = haar::place_of(t.index);
-    const int b = haar::coefficient_index(s, (a + 1) % 3), c = haar::coefficient_index(s, (a + 2) % 3);
-    const float pa = p.at(t.face, t.index);
-    if (visible(t.index, levels.light)) {  // case 2: same square, three types
-      sink.coefficient(t.face, c, float(1 << s.level) * pa * light.at(t.face, b));
-      sink.coefficient(t.face, b, float(1 << s.level) * pa * light.at(t.face, c));
-    }
-    const haar::Square seen = levels.p == 2 ? s : within_level1(p.n, s);
-    sink.mean(t.face, seen, pa * light.at(t.face, t.index));  // case 3: p L psum(V)
-    if (visible(t.index, levels.p)) sink.coefficient(t.face, t.index, pa * light.mean(t.face, s));  // p V psum(L)
-  }
-  for (const Term& t : kept_light)  // case 3: L V psum(p)
-    if (visible(t.index, levels.light))
-      sink.coefficient(t.face, t.index, light.at(t.face, t.index) * p.mean(t.face, haar::place_of(t.index).square));
+  for (const Term& t : kept_p) add_p_term(p, light, t, levels, sink);
+  for (const Term& t : kept_light) add_light_term(p, light, t, levels, sink);
 }
 
 /// Inner product of the kept terms of f with V.
@@ -95,33 +102,38 @@ struct Visibility {
   haar::TwoLevel store;
   std::vector<float> means;
   void assign(const BitCube& blocked);
+  int n() const { return store.n; }
+  float coefficient(int face, int index) const { return haar::coefficient(store, face, index); }
+  float mean(int face, haar::Square s) const {
+    return means[std::size_t(face) * (means.size() / 6) + haar::pyramid_index(s)];
+  }
 };
 
-/// Sink that evaluates; sums in double.
+/// Sink that evaluates, on a visibility with n(), coefficient() and mean(), as above.
+template <class V, class Sum = double>
 class Evaluate {
  public:
-  explicit Evaluate(const Visibility& v) : v_(v) {}
-  void coefficient(int face, int index, float weight) {
-    sum_ += double(weight) * double(haar::coefficient(v_.store, face, index));
+  PENUMBRA_HD explicit Evaluate(const V& v) : v_(v) {}
+  PENUMBRA_HD void coefficient(int face, int index, float weight) {
+    sum_ += Sum(weight) * Sum(v_.coefficient(face, index));
   }
-  void mean(int face, haar::Square s, float weight) {
-    const haar::Square block = within_level1(v_.store.n, s);
-    const int size = int(v_.means.size()) / 6;
-    double value = double(v_.means[std::size_t(face) * size + haar::pyramid_index(block)]);
+  PENUMBRA_HD void mean(int face, haar::Square s, float weight) {
+    const haar::Square block = within_level1(v_.n(), s);
+    Sum value = Sum(v_.mean(face, block));
     for (int level = block.level; level < s.level; ++level) {  // below the blocks: down through level 2
       const int up = s.level - level;
       const haar::Square over{level, s.i >> up, s.j >> up};
       for (int m = 0; m < 3; ++m)
-        value += double((1 << level) * haar::sign_of(m, s.i >> (up - 1) & 1, s.j >> (up - 1) & 1)) *
-                 double(haar::coefficient(v_.store, face, haar::coefficient_index(over, m)));
+        value += Sum((1 << level) * haar::sign_of(m, s.i >> (up - 1) & 1, s.j >> (up - 1) & 1)) *
+                 Sum(v_.coefficient(face, haar::coefficient_index(over, m)));
     }
-    sum_ += double(weight) * value;
+    sum_ += Sum(weight) * value;
   }
-  double sum() const { return sum_; }
+  PENUMBRA_HD Sum sum() const { return sum_; }
 
  private:
-  const Visibility& v_;
-  double sum_ = 0.0;
+  const V& v_;
+  Sum sum_ = 0;
 };
 
 /// A linear functional of V: weights of all level-1 coefficients, and of the 15 level-2 coefficients of the blocks that

@@ -1,11 +1,3 @@
-// Per frame: OR the spheres' bits, transform V through the 4 x 4 table, multiply in the Haar basis.
-//
-// The solid angle goes into L, as N dw (N pixels a face), so that V stays binary and the ranking sees energy. V is
-// taken as open in lines (half faces) that lie wholly below the receiver's horizon: p is 0 there, and nothing need be
-// looked up.
-//   scalar: the paper's CPU version, a receiver and a channel at a time.
-//   simd:   B is linear in V, so the loops over L and p run once per normal and light into a functional of V
-//           (sparse_product.h); receivers then share it, sixteen at a time.
 #include "techniques/wavelet/wavelet.h"
 
 #include <tbb/parallel_for.h>
@@ -13,190 +5,160 @@
 #include <algorithm>
 
 #include "scenes/error.h"
-#include "techniques/bases/distinct_normals.h"
-#include "techniques/bases/visibility_source.h"
 #include "techniques/registry.h"
 #include "techniques/wavelet/kernel.h"
 
 namespace penumbra {
-namespace {
+namespace wavelet {
 
-using namespace wavelet;  // NOLINT: this technique's own parts
+Wavelet::Wavelet(const Parameters& p, Method method, const std::string& name)
+    : method_(method),
+      visibility_(p, name),
+      n_(visibility_.resolution()),
+      all_(6 * n_ * n_),
+      terms_(method == Method::dense ? all_ : p.integer("terms")),
+      gamma_(method == Method::dense ? 0.0 : p.number("ranking")),
+      levels_(method == Method::sparse ? Levels{p.integer("level"), p.integer("p_level")} : Levels{2, 2}),
+      by_effect_(method == Method::sparse && p.text("p_ranking") == "effect"),
+      table_normals_(p.text("normals") == "table") {
+  if (terms_ > all_) throw Error("{}: terms is {}, but resolution {} has only {}", name, terms_, n_, all_);
+}
 
-enum class Method { sparse, product, dense };
+void Wavelet::prepare(const Scene& scene) {
+  visibility_.prepare(scene);
+  set_light(scene.light);
+  set_receivers(scene.receivers);
+}
 
-/// Light, per channel, with the solid angle folded in.
-struct LightTerms {
-  CubeLight texels;
-  Function channel[3];
-  std::vector<Term> kept[3];
-};
+void Wavelet::update(const Frame& frame) {
+  visibility_.update(frame);
+  receivers_ = &frame.receivers;
+  if (frame.changed.light) set_light(frame.light);
+  if (frame.changed.light || frame.changed.receivers) set_receivers(frame.receivers);
+}
 
-/// All that depends on the normal: the cosine lobe p, or the product of p and L.
-struct Plan {
-  std::uint64_t active = 0;  ///< lines above the horizon
-  Function p;
-  std::vector<Term> kept_p;
-  Function product[3];
-  std::vector<Term> kept_product[3];
-};
-
-class Wavelet : public Technique {
- public:
-  Wavelet(const Parameters& p, Method method, const std::string& name)
-      : method_(method),
-        visibility_(p, name),
-        n_(visibility_.resolution()),
-        all_(6 * n_ * n_),
-        terms_(method == Method::dense ? all_ : p.integer("terms")),
-        gamma_(method == Method::dense ? 0.0 : p.number("ranking")),
-        levels_(method == Method::sparse ? Levels{p.integer("level"), p.integer("p_level")} : Levels{2, 2}),
-        by_effect_(method == Method::sparse && p.text("p_ranking") == "effect"),
-        table_normals_(p.text("normals") == "table") {
-    if (terms_ > all_) throw Error("{}: terms is {}, but resolution {} has only {}", name, terms_, n_, all_);
+void Wavelet::shade(View<vec3> radiance) {
+  Visibility v;
+  for (int i = 0; i < receivers_->size(); ++i) {
+    radiance[i] = vec3(0.0f);
+    if (!receivers_->valid(i)) continue;
+    const Plan own = few() ? Plan() : make_plan(normals_[i]);
+    const Plan& plan = few() ? plans_[plan_of_.index[i]] : own;
+    BitCube blocked(n_);
+    visibility_.find_blocked(i, blocked);
+    for (std::size_t w = 0; w < blocked.words.size(); ++w)
+      if (!(plan.active >> (w / words_per_line) & 1u)) blocked.words[w] = 0;
+    v.assign(blocked);
+    for (int c = 0; c < 3; ++c) radiance[i][c] = receivers_->albedo[i][c] * float(multiply(plan, c, v));
   }
+}
 
-  void prepare(const Scene& scene) override {
-    visibility_.prepare(scene);
-    set_light(scene.light);
-    set_receivers(scene.receivers);
-  }
+Footprint Wavelet::footprint() const {
+  Footprint bytes = visibility_.footprint();
+  const std::size_t function = std::size_t(all_) * sizeof(float) * 7 / 3;  // coefficients and mean pyramid
+  bytes.tables += haar::binary_table().bytes();
+  bytes.per_scene += 3 * function + plans_.size() * (method_ == Method::product ? 3 : 1) * function;
+  return bytes;
+}
 
-  void update(const Frame& frame) override {
-    visibility_.update(frame);
-    receivers_ = &frame.receivers;
-    if (frame.changed.light) set_light(frame.light);
-    if (frame.changed.light || frame.changed.receivers) set_receivers(frame.receivers);
-  }
+std::vector<double> Wavelet::cosine_lobe(vec3 normal) const {
+  std::vector<double> lobe;
+  for (const vec3& w : visibility_.directions()) lobe.push_back(std::max(0.0, double(glm::dot(normal, w))) / pi);
+  return lobe;
+}
 
-  void shade(View<vec3> radiance) override {
-    Visibility v;
-    for (int i = 0; i < receivers_->size(); ++i) {
-      radiance[i] = vec3(0.0f);
-      if (!receivers_->valid(i)) continue;
-      const Plan own = few() ? Plan() : make_plan(normals_[i]);
-      const Plan& plan = few() ? plans_[plan_of_.index[i]] : own;
-      BitCube blocked(n_);
-      visibility_.find_blocked(i, blocked);
-      for (std::size_t w = 0; w < blocked.words.size(); ++w)
-        if (!(plan.active >> (w / words_per_line) & 1u)) blocked.words[w] = 0;
-      v.assign(blocked);
-      for (int c = 0; c < 3; ++c) radiance[i][c] = receivers_->albedo[i][c] * float(multiply(plan, c, v));
-    }
-  }
-
-  Footprint footprint() const override {
-    Footprint bytes = visibility_.footprint();
-    const std::size_t function = std::size_t(all_) * sizeof(float) * 7 / 3;  // coefficients and mean pyramid
-    bytes.tables += haar::binary_table().bytes();
-    bytes.per_scene += 3 * function + plans_.size() * (method_ == Method::product ? 3 : 1) * function;
-    return bytes;
-  }
-
- protected:
-  /// As many plans as the published table of normals has entries are kept; beyond, each receiver makes its own.
-  static constexpr std::size_t most_plans = 6 * 8 * 8;
-  bool few() const { return plan_of_.few() || receivers_->size() == 0; }
-
-  Plan make_plan(vec3 normal) const {
-    Plan plan;
-    plan.active = lines_above_horizon(visibility_.cones(), normal);
-    std::vector<double> lobe;
-    for (const vec3& w : visibility_.directions()) lobe.push_back(std::max(0.0, double(glm::dot(normal, w))) / pi);
-    if (method_ != Method::product) {
-      plan.p = Function(n_, lobe);
-      if (method_ == Method::sparse)
-        plan.kept_p =
-            by_effect_ ? keep_largest_effect(plan.p, light_.channel, terms_) : keep_largest(plan.p, terms_, gamma_);
-      return plan;
-    }
-    for (int c = 0; c < 3; ++c) {
-      plan.product[c] = Function(n_, times_light(lobe, c));
-      plan.kept_product[c] = keep_largest(plan.product[c], terms_, gamma_);
-    }
+Plan Wavelet::make_plan(vec3 normal) const {
+  Plan plan;
+  plan.active = lines_above_horizon(visibility_.cones(), normal);
+  const std::vector<double> lobe = cosine_lobe(normal);
+  if (method_ != Method::product) {
+    plan.p = Function(n_, lobe);
+    if (method_ == Method::sparse)
+      plan.kept_p =
+          by_effect_ ? keep_largest_effect(plan.p, light_.channel, terms_) : keep_largest(plan.p, terms_, gamma_);
     return plan;
   }
-
-  /// values x L x N dw of a channel.
-  std::vector<double> times_light(std::vector<double> values, int c) const {
-    for (int t = 0; t < all_; ++t)
-      values[t] *= double(light_.texels.radiance[t][c]) * double(light_.texels.solid_angle[t]) * n_ * n_;
-    return values;
+  for (int c = 0; c < 3; ++c) {
+    plan.product[c] = Function(n_, times_light(lobe, c));
+    plan.kept_product[c] = keep_largest(plan.product[c], terms_, gamma_);
   }
+  return plan;
+}
 
-  /// One channel of a receiver at albedo 1: the paper's loops.
-  double multiply(const Plan& plan, int c, const Visibility& v) const {
-    Evaluate sink(v);
+std::vector<double> Wavelet::times_light(std::vector<double> values, int c) const {
+  for (int t = 0; t < all_; ++t)
+    values[t] *= double(light_.texels.radiance[t][c]) * double(light_.texels.solid_angle[t]) * n_ * n_;
+  return values;
+}
+
+/// The paper's loops, at albedo 1.
+double Wavelet::multiply(const Plan& plan, int c, const Visibility& v) const {
+  Evaluate sink(v);
+  if (method_ == Method::product) {
+    inner_product(plan.product[c], plan.kept_product[c], sink);
+  } else if (method_ == Method::sparse) {
+    triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], levels_, sink);
+  } else {
+    double sum = 0.0;
+    for (int face = 0; face < 6; ++face) {
+      const auto part = [&](const Function& f) {
+        return std::span<const float>(f.coefficients).subspan(std::size_t(face) * n_ * n_, std::size_t(n_) * n_);
+      };
+      const std::vector<float> vf = haar::coefficients(v.store, face);
+      sum += double(haar::triple_product(part(plan.p), part(light_.channel[c]), std::span<const float>(vf)));
+    }
+    return sum;
+  }
+  return sink.sum();
+}
+
+Functional Wavelet::make_functional(const Plan& plan, vec3 normal) const {
+  Collect sink(n_);
+  for (int c = 0; c < 3; ++c) {
+    sink.set_channel(c);
     if (method_ == Method::product) {
       inner_product(plan.product[c], plan.kept_product[c], sink);
     } else if (method_ == Method::sparse) {
       triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], levels_, sink);
-    } else {
-      double sum = 0.0;
-      for (int face = 0; face < 6; ++face) {
-        const auto part = [&](const Function& f) {
-          return std::span<const float>(f.coefficients).subspan(std::size_t(face) * n_ * n_, std::size_t(n_) * n_);
-        };
-        const std::vector<float> vf = haar::coefficients(v.store, face);
-        sum += double(haar::triple_product(part(plan.p), part(light_.channel[c]), std::span<const float>(vf)));
-      }
-      return sum;
-    }
-    return sink.sum();
-  }
-
-  Functional make_functional(const Plan& plan, vec3 normal) const {
-    Collect sink(n_);
-    for (int c = 0; c < 3; ++c) {
-      sink.set_channel(c);
-      if (method_ == Method::product) {
-        inner_product(plan.product[c], plan.kept_product[c], sink);
-      } else if (method_ == Method::sparse) {
-        triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], levels_, sink);
-      } else {  // all terms: the inner product with all of L p
-        std::vector<double> lobe;
-        for (const vec3& w : visibility_.directions()) lobe.push_back(std::max(0.0, double(glm::dot(normal, w))) / pi);
-        const Function product(n_, times_light(lobe, c));
-        inner_product(product, keep_largest(product, all_, 0.0), sink);
-      }
-    }
-    return sink.take();
-  }
-
-  Method method_;
-  VisibilitySource visibility_;
-  int n_, all_, terms_;
-  double gamma_;
-  Levels levels_;
-  bool by_effect_, table_normals_;
-  LightTerms light_;
-  const Receivers* receivers_ = nullptr;
-  std::vector<vec3> normals_;  ///< per receiver, as used: exact, or the nearest entry of the 6 x 8 x 8 table
-  DistinctNormals plan_of_;
-  std::vector<Plan> plans_;
-
- private:
-  void set_light(const Light& light) {
-    light_.texels = CubeLight(*environment_of(light), n_);
-    for (int c = 0; c < 3; ++c) {
-      light_.channel[c] = Function(n_, times_light(std::vector<double>(all_, 1.0), c));
-      light_.kept[c] =
-          method_ == Method::sparse ? keep_largest(light_.channel[c], terms_, gamma_) : std::vector<Term>();
+    } else {  // all terms: the inner product with all of L p
+      const Function product(n_, times_light(cosine_lobe(normal), c));
+      inner_product(product, keep_largest(product, all_, 0.0), sink);
     }
   }
+  return sink.take();
+}
 
-  void set_receivers(const Receivers& receivers) {
-    receivers_ = &receivers;
-    normals_ = receivers.normal;
-    if (table_normals_)
-      for (vec3& n : normals_)
-        if (n != vec3(0.0f)) n = cube_texel_direction(cube_texel(n, 8), 8);
-    plan_of_ = DistinctNormals::of(normals_, most_plans + 1);  // and the zero normal of pixels that show nothing
-    plans_.resize(plan_of_.normals.size());
-    tbb::parallel_for(std::size_t(0), plans_.size(),
-                      [&](std::size_t k) { plans_[k] = make_plan(plan_of_.normals[k]); });
+std::vector<Functional> Wavelet::make_functionals() const {
+  std::vector<Functional> all(plans_.size());
+  tbb::parallel_for(std::size_t(0), plans_.size(),
+                    [&](std::size_t k) { all[k] = make_functional(plans_[k], plan_of_.normals[k]); });
+  return all;
+}
+
+void Wavelet::set_light(const Light& light) {
+  light_.texels = CubeLight(*environment_of(light), n_);
+  for (int c = 0; c < 3; ++c) {
+    light_.channel[c] = Function(n_, times_light(std::vector<double>(all_, 1.0), c));
+    light_.kept[c] = method_ == Method::sparse ? keep_largest(light_.channel[c], terms_, gamma_) : std::vector<Term>();
   }
-};
+}
+
+void Wavelet::set_receivers(const Receivers& receivers) {
+  receivers_ = &receivers;
+  normals_ = receivers.normal;
+  if (table_normals_)
+    for (vec3& n : normals_)
+      if (n != vec3(0.0f)) n = cube_texel_direction(cube_texel(n, 8), 8);
+  plan_of_ = DistinctNormals::of(normals_, most_plans + 1);  // and the zero normal of pixels that show nothing
+  plans_.resize(plan_of_.normals.size());
+  tbb::parallel_for(std::size_t(0), plans_.size(), [&](std::size_t k) { plans_[k] = make_plan(plan_of_.normals[k]); });
+}
+
+}  // namespace wavelet
+
+namespace {
+
+using namespace wavelet;  // NOLINT: this technique's own parts
 
 class WaveletSimd final : public Wavelet {
  public:
@@ -243,12 +205,9 @@ class WaveletSimd final : public Wavelet {
   }
 
   void set_functionals() {
-    functionals_.resize(plans_.size());
-    active_.resize(plans_.size());
-    tbb::parallel_for(std::size_t(0), plans_.size(), [&](std::size_t k) {
-      functionals_[k] = make_functional(plans_[k], plan_of_.normals[k]);
-      active_[k] = plans_[k].active;
-    });
+    functionals_ = make_functionals();
+    active_.clear();
+    for (const Plan& plan : plans_) active_.push_back(plan.active);
   }
 
   std::vector<Functional> functionals_;

@@ -9,6 +9,7 @@
 #include "techniques/bases/spherical_harmonics/tensor.h"
 #include "tests/support.h"
 
+#include <fmt/format.h>
 #include <hwy/highway.h>
 #include <hwy/targets.h>
 

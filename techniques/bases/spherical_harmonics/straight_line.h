@@ -6,8 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "scenes/error.h"
-#include "scenes/math.h"
+#include "techniques/bases/spherical_harmonics/basis.h"
 
 namespace penumbra::sh {
 
@@ -25,8 +24,7 @@ PENUMBRA_HD inline T multiply_add(T a, T b, T c) {
 /// Calls f(std::integral_constant<int, order>) for a run-time order in [low, high]; Throws Error for others.
 template <int low, int high, class Call>
 void with_order(int order, Call call) {
-  if (order < low || order > high)
-    throw Error("spherical harmonics: order (number of bands) is {}, must be {} to {}", order, low, high);
+  check_order(order, low, high);
   [&]<int... k>(std::integer_sequence<int, k...>) {
     ((order == low + k ? call(std::integral_constant<int, low + k>{}) : void()), ...);
   }
