@@ -81,17 +81,23 @@ __device__ void transform_means(const V& v) {
   __syncthreads();
 }
 
-/// Functions on the six faces, one after the other (wavelet::Function).
+/// Element `which` of arrays of `size`, one after the other.
+template <class T>
+__device__ Span<T> part(const Span<T>& all, std::size_t which, int size) {
+  return {all.data + which * std::size_t(size), std::size_t(size)};
+}
+
+/// Functions on the six faces, one after the other, or one of them (wavelet::Function).
 struct FunctionSpans {
   int n;
   Span<const float> coefficients, means;
-  std::size_t which = 0;
-  __device__ float at(int face, int index) const {
-    return coefficients[(which * 6 + unsigned(face)) * unsigned(n * n) + unsigned(index)];
+  __device__ int means_per_face() const { return haar::pyramid_size(haar::levels_of(n)); }
+  __device__ FunctionSpans of(std::size_t which) const {
+    return {n, part(coefficients, which, 6 * n * n), part(means, which, 6 * means_per_face())};
   }
+  __device__ float at(int face, int index) const { return coefficients[unsigned(face * n * n + index)]; }
   __device__ float mean(int face, haar::Square s) const {
-    const auto size = unsigned(haar::pyramid_size(haar::levels_of(n)));
-    return means[(which * 6 + unsigned(face)) * size + unsigned(haar::pyramid_index(s))];
+    return means[unsigned(face * means_per_face() + haar::pyramid_index(s))];
   }
 };
 

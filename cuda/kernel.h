@@ -5,6 +5,7 @@
 //   Span<T>                                        for device memory, PENUMBRA_SHARED(T, name, n) for shared memory
 //   atomic_add(array, i, value)                    for atomics on either
 //   tally(n)                                       beside the inner loops: n floating-point operations; free on the device
+//   PENUMBRA_UNROLL                                before loops over arrays that belong in registers
 //   launch(stream, PENUMBRA_KERNEL(f), blocks, threads, arguments...)
 //
 // Blocks and grids are one-dimensional; blocks are whole warps.

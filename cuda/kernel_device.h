@@ -10,6 +10,7 @@
 #define PENUMBRA_SHARED(T, name, count) \
   __shared__ T name##_memory[count];    \
   const penumbra::cuda::SharedSpan<T> name { name##_memory }
+#define PENUMBRA_UNROLL _Pragma("unroll")
 #define PENUMBRA_KERNEL(f) \
   penumbra::cuda::Kernel { #f, f }
 

@@ -9,7 +9,9 @@
   USE("pixel-basis", make_pixel_basis)            \
   USE("wavelet", make_wavelet)                    \
   USE("wavelet-product", make_wavelet_product)    \
-  USE("wavelet-dense", make_wavelet_dense)
+  USE("wavelet-dense", make_wavelet_dense)        \
+  USE("sh-lighting", make_sh_lighting)            \
+  USE("sh-exponentiation", make_sh_exponentiation)
 
 namespace penumbra {
 

@@ -66,10 +66,6 @@ struct StoredVisibility {
   Span<float> level1, means;
   Span<std::uint16_t> blocks;
 
-  template <class T>
-  static __device__ Span<T> part(const Span<T>& all, std::size_t which, int size) {
-    return {all.data + which * std::size_t(size), std::size_t(size)};
-  }
   __device__ TwoLevelVisibility<Span<float>, Span<std::uint16_t>> of(std::size_t which, int n,
                                                                      const BinaryTableSpan& table) const {
     const int per_face = n * n / 16, pyramid = haar::pyramid_size(haar::levels_of(n / 4));
@@ -101,7 +97,7 @@ __global__ void __launch_bounds__(receiver_threads)
                          BinaryTableSpan table) {
   if (!receivers.valid(first + blockIdx.x)) return;
   const auto v = store.of(blockIdx.x, n, table);
-  find_blocks(StoredVisibility::part(store.words, blockIdx.x, 6 * n * n / 32), v);
+  find_blocks(part(store.words, blockIdx.x, 6 * n * n / 32), v);
   transform_means(v);
 }
 
@@ -115,24 +111,28 @@ struct TermSpans {
 /// The paper's loops: a third of the threads a channel, a thread terms in turn.
 __global__ void __launch_bounds__(receiver_threads)
     multiply_terms(ReceiverSpans receivers, PlanSpans plans, std::size_t first, StoredVisibility store,
-                   BinaryTableSpan table, FunctionSpans p, FunctionSpans light, TermSpans terms, Span<vec3> radiance) {
+                   BinaryTableSpan table, FunctionSpans lobes, FunctionSpans lights, TermSpans terms,
+                   Span<vec3> radiance) {
   PENUMBRA_SHARED(float, sums, receiver_warps);
   const std::size_t i = first + blockIdx.x;
   if (!receivers.valid(i)) {
     if (threadIdx.x == 0) radiance[i] = vec3(0.0f);
     return;
   }
-  const auto v = store.of(blockIdx.x, p.n, table);
-  p.which = plans.plan_of[i];
+  const auto v = store.of(blockIdx.x, lobes.n, table);
+  const unsigned plan = plans.plan_of[i];
   constexpr unsigned team = receiver_threads / 3;
   const unsigned channel = threadIdx.x / team, member = threadIdx.x % team;
-  light.which = channel;
+  const FunctionSpans p = lobes.of(plan), light = lights.of(channel);
   wavelet::Evaluate<decltype(store.of(0, 0, table)), float> sink(v);
   if (member < 6) sink.coefficient(int(member), 0, p.at(int(member), 0) * light.at(int(member), 0));  // case 1
   for (unsigned k = member; k < terms.count; k += team) {
-    wavelet::add_p_term(p, light, terms.p[p.which * terms.count + k], terms.levels, sink);
+    wavelet::add_p_term(p, light, terms.p[plan * terms.count + k], terms.levels, sink);
+    tally(7);
+  }
+  for (unsigned k = member; k < terms.count; k += team) {
     wavelet::add_light_term(p, light, terms.light[channel * terms.count + k], terms.levels, sink);
-    tally(8);
+    tally(1);
   }
   vec3 part(0.0f);
   part[int(channel)] = sink.sum();

@@ -10,7 +10,7 @@
 
 namespace penumbra::cuda_on_host {
 
-thread_local Index thread_index, block_index, block_size, grid_size;
+constinit thread_local Index thread_index, block_index, block_size, grid_size;
 
 namespace {
 
@@ -210,7 +210,8 @@ void Block::run(const char* kernel, unsigned threads, const Body& body, const st
   }
 }
 
-thread_local Block block;
+thread_local Block running;
+constinit thread_local Block* block = nullptr;  ///< &running, without asking whether it exists yet
 Order order_of_turns = Order::forward;
 bool counting = false;
 std::map<std::string, Counts> counted;
@@ -256,23 +257,24 @@ void run_grid(const char* kernel, unsigned blocks, unsigned threads, const Body&
     current_counts->block_size = threads;
     sectors.clear();
   }
+  block = &running;
   const std::vector<unsigned> order = turns(threads);
   for (const unsigned b : turns(blocks)) {
     block_index = {b, 0, 0};
-    block.run(kernel, threads, body, order);
-    if (counting) current_counts->barriers += block.barriers();
+    block->run(kernel, threads, body, order);
+    if (counting) current_counts->barriers += block->barriers();
   }
   if (counting) current_counts->unique_bytes += 32 * sectors.size();
 }
 
 void wait_for_block(std::source_location where) {
-  block.wait(Thread::State::at_barrier, 0, 0, "__syncthreads", where);
+  block->wait(Thread::State::at_barrier, 0, 0, "__syncthreads", where);
 }
 
 const std::uint64_t* exchange(unsigned mask, std::uint64_t bits, const char* what, std::source_location where) {
   if (!(mask >> (thread_index.x % warp_size) & 1u)) fail(fmt::format("{}: the mask leaves its caller out", what), where);
-  block.wait(Thread::State::at_warp, mask, bits, what, where);
-  return block.answer();
+  block->wait(Thread::State::at_warp, mask, bits, what, where);
+  return block->answer();
 }
 
 void wait_for_warp(unsigned mask, std::source_location where) {
@@ -280,7 +282,7 @@ void wait_for_warp(unsigned mask, std::source_location where) {
 }
 
 void fail(const std::string& message, std::source_location where) {
-  throw KernelError(fmt::format("{}, block {}, thread {}: {} ({})", block.kernel(), block_index.x, thread_index.x,
+  throw KernelError(fmt::format("{}, block {}, thread {}: {} ({})", block->kernel(), block_index.x, thread_index.x,
                                 message, place(where)));
 }
 
@@ -299,7 +301,7 @@ void note_access(const void* address, std::size_t bytes) {
 // --- shared memory ---------------------------------------------------------------------------------------------------
 
 SharedBase& shared_memory(const void* key, const std::function<std::unique_ptr<SharedBase>()>& make) {
-  return block.shared(key, make);
+  return block->shared(key, make);
 }
 
 void Shadow::forget() {
@@ -308,28 +310,28 @@ void Shadow::forget() {
 
 /// Does a barrier of the block or of the warp lie between then and now?
 bool Shadow::ordered(const Touch& before) {
-  if (before.thread < 0 || before.block_epoch != block.epoch()) return true;
-  if (before.several_warps || unsigned(before.thread) / warp_size != block.current() / warp_size) return false;
-  return before.warp_epoch != block.warp_epoch();
+  if (before.thread < 0 || before.block_epoch != block->epoch()) return true;
+  if (before.several_warps || unsigned(before.thread) / warp_size != block->current() / warp_size) return false;
+  return before.warp_epoch != block->warp_epoch();
 }
 
 void Shadow::check_read(std::size_t i, std::source_location where) {
   Mark& mark = marks_[i];
-  const int me = int(block.current());
+  const int me = int(block->current());
   if (mark.write.thread < 0) fail(fmt::format("reads shared element {}, which nobody has written", i), where);
   if (mark.write.thread != me && !ordered(mark.write))
     fail(fmt::format("reads shared element {}, which thread {} wrote, without a barrier between", i, mark.write.thread),
          where);
   const bool besides = !ordered(mark.read);  // reads that the same write would have to wait for
   const bool other_warp =
-      besides && (mark.read.several_warps || unsigned(mark.read.thread) / warp_size != block.current() / warp_size);
+      besides && (mark.read.several_warps || unsigned(mark.read.thread) / warp_size != block->current() / warp_size);
   mark.several_readers = besides && (mark.several_readers || mark.read.thread != me);
-  mark.read = {me, block.epoch(), block.warp_epoch(), other_warp};
+  mark.read = {me, block->epoch(), block->warp_epoch(), other_warp};
 }
 
 void Shadow::check_write(std::size_t i, std::source_location where) {
   Mark& mark = marks_[i];
-  const int me = int(block.current());
+  const int me = int(block->current());
   if (mark.write.thread != me && !ordered(mark.write))
     fail(fmt::format("writes shared element {}, which thread {} wrote, without a barrier between", i,
                      mark.write.thread),
@@ -337,7 +339,7 @@ void Shadow::check_write(std::size_t i, std::source_location where) {
   if ((mark.several_readers || mark.read.thread != me) && !ordered(mark.read))
     fail(fmt::format("writes shared element {}, which thread {} read, without a barrier between", i, mark.read.thread),
          where);
-  mark.write = {me, block.epoch(), block.warp_epoch(), false};
+  mark.write = {me, block->epoch(), block->warp_epoch(), false};
 }
 
 }  // namespace penumbra::cuda_on_host

@@ -51,7 +51,7 @@ void run_grid(const char* kernel, unsigned blocks, unsigned threads, const Body&
 struct Index {
   unsigned x = 0, y = 0, z = 0;
 };
-extern thread_local Index thread_index, block_index, block_size, grid_size;
+extern constinit thread_local Index thread_index, block_index, block_size, grid_size;
 
 void wait_for_block(std::source_location where);
 /// Hands `bits` to the lanes of `mask` and waits for theirs; the answer holds those of all 32 lanes.

@@ -16,6 +16,7 @@
 #define __launch_bounds__(...)
 #define PENUMBRA_SHARED(T, name, count) \
   const auto name = penumbra::cuda_on_host::shared_span<T, count>([] {})
+#define PENUMBRA_UNROLL
 #define PENUMBRA_KERNEL(f) \
   penumbra::cuda_on_host::Kernel { #f, f }
 

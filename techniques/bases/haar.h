@@ -175,12 +175,12 @@ template <class Level1, class Blocks, class Table>
 PENUMBRA_HD float two_level_coefficient(const Level1& level1, const Blocks& blocks, const Table& table, int n, int face,
                                         int index) {
   const int m = n / 4, per_face = m * m;
-  if (index < per_face) return level1[std::size_t(face * per_face + index)];
+  if (index < per_face) return level1[unsigned(face * per_face + index)];
   const auto [s, mother] = place_of(index);
   const int deep = s.level - levels_of(m);  // 0 or 1 within the block
   const int block = (s.j >> deep) * m + (s.i >> deep);
   const int local = coefficient_index({deep, s.i & deep, s.j & deep}, mother);
-  const auto value = float(table.at(blocks[std::size_t(face * per_face + block)], local));
+  const auto value = float(table.at(blocks[unsigned(face * per_face + block)], local));
   return -value * (1.0f / 16.0f) / float(m);  // V = 1 - blocked: the sign turns; block-local to global: 2^-block_level
 }
 

@@ -179,7 +179,7 @@ std::vector<double> hybrid(double tau, const LinearFit& fit, std::span<const dou
   for (double norm = norm_without_dc(f); norm > tau && std::isfinite(norm); norm *= 0.5) ++squarings;
   for (double& value : part) value = std::ldexp(value, -squarings);
   std::vector<double> g(f.size());
-  optimal_linear<double>(fit, part, std::ldexp(dc, -squarings), g.data());
+  optimal_linear(fit, part.data(), int(f.size()), std::ldexp(dc, -squarings), g.data());
   for (int k = 0; k < squarings; ++k) g = sh::tensor(sh::order_of(f.size())).product(g, g);
   return g;
 }
@@ -207,7 +207,7 @@ std::vector<double> exponential(const Method& method, const LinearFit& fit, std:
   switch (method.kind) {
     case Exponential::optimal_linear: {
       std::vector<double> g(f.size());
-      optimal_linear<double>(fit, f, dc, g.data());
+      optimal_linear(fit, f.data(), int(f.size()), dc, g.data());
       return g;
     }
     case Exponential::hybrid:

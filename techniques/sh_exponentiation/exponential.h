@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/math.h"
+
 namespace penumbra::sh_exponentiation {
 
 /// Zonal logarithm of the visibility behind a cap of angular radius theta, radians: one coefficient per band.
@@ -34,15 +36,26 @@ class LogTable {
   std::vector<float> rows_;
 };
 
-/// exp*(f) ~ a(|f|) 1 + b(|f|) f for f without DC. Even steps of |f|; beyond the last the last holds.
+/// Linear between `count` values at even steps of 1; beyond the last the last holds.
+template <class T, class Values>
+PENUMBRA_HD T look_up_linear(const Values& values, int count, T at) {
+  const T last = T(count - 1);
+  at = at < last ? at : last;  // also if not a number
+  const int k = int(at) < count - 2 ? int(at) : count - 2;
+  return T(values[unsigned(k)]) + (at - T(k)) * (T(values[unsigned(k + 1)]) - T(values[unsigned(k)]));
+}
+
+/// exp*(f) ~ a(|f|) 1 + b(|f|) f for f without DC. Even steps of |f|.
 struct LinearFit {
   double step = 1.0;
   std::vector<float> a, b;
   template <class T>
-  T look_up(const std::vector<float>& values, T norm) const {
-    const T last = T(values.size() - 1), at = norm / T(step) < last ? norm / T(step) : last;  // also if not a number
-    const auto k = std::min(std::size_t(at), values.size() - 2);
-    return T(values[k]) + (at - T(k)) * (T(values[k + 1]) - T(values[k]));
+  T look_up_a(T norm) const {
+    return look_up_linear(a, int(a.size()), norm / T(step));
+  }
+  template <class T>
+  T look_up_b(T norm) const {
+    return look_up_linear(b, int(b.size()), norm / T(step));
   }
 };
 /// Exact on the logarithms of single caps, up to where |f| stops growing with the angle.
@@ -50,14 +63,14 @@ LinearFit fit_to_caps(const LogTable& table);
 /// Least squares over random sets of spheres with the same |f|.
 LinearFit fit_to_sets(const LogTable& table);
 
-/// g = e^dc (a(|f|) 1 + b(|f|) f); the DC of f itself is not looked at.
-template <class T>
-void optimal_linear(const LinearFit& fit, std::span<const T> f, T dc, T* g) {
+/// g = e^dc (a(|f|) 1 + b(|f|) f) for f of `size` coefficients; the DC of f itself is not looked at. g may be f.
+template <class Fit, class T>
+PENUMBRA_HD void optimal_linear(const Fit& fit, const T* f, int size, T dc, T* g) {
   T squared = 0;
-  for (std::size_t i = 1; i < f.size(); ++i) squared += f[i] * f[i];
-  const T norm = std::sqrt(squared), scale = std::exp(dc), b = scale * fit.look_up(fit.b, norm);
-  g[0] = scale * fit.look_up(fit.a, norm) * T(3.5449077018110318);  // sqrt(4 pi)
-  for (std::size_t i = 1; i < f.size(); ++i) g[i] = b * f[i];
+  for (int i = 1; i < size; ++i) squared += f[i] * f[i];
+  const T norm = std::sqrt(squared), scale = std::exp(dc), b = scale * fit.look_up_b(norm);
+  g[0] = scale * fit.look_up_a(norm) * T(3.5449077018110318);  // sqrt(4 pi)
+  for (int i = 1; i < size; ++i) g[i] = b * f[i];
 }
 
 enum class Exponential { optimal_linear, hybrid, power_series, exact };

@@ -51,12 +51,13 @@ struct Counts {
 };
 
 /// A channel's value as it may be written: 0 if it is not finite, else within [0, unshadowed].
-inline float guarded(float value, float unshadowed, std::size_t& non_finite, std::size_t& clamped) {
-  if (!std::isfinite(value)) {
+template <class Count>
+PENUMBRA_HD float guarded(float value, float unshadowed, Count& non_finite, Count& clamped) {
+  if (!(std::abs(value) <= 3.4028235e38f)) {
     ++non_finite;
     return 0.0f;
   }
-  const float most = std::max(0.0f, unshadowed), within = std::clamp(value, 0.0f, most);
+  const float most = unshadowed > 0.0f ? unshadowed : 0.0f, within = value < 0.0f ? 0.0f : value < most ? value : most;
   clamped += std::abs(within - value) > 1e-5f * most;
   return within;
 }

@@ -1,96 +1,75 @@
-// B = albedo * sum of L_i T_i: transfer T at receivers is precomputed for a mesh at rest; the light may turn and
-// change.
-//
-//   scalar: a ray and a number at a time.
-//   simd:   rays in packets, sums over vectors of coefficients, receivers in parallel.
 #include "techniques/sh_lighting/sh_lighting.h"
 
 #include <tbb/parallel_for.h>
 
-#include <optional>
-
-#include "techniques/bases/spherical_harmonics/projection.h"
 #include "techniques/registry.h"
 #include "techniques/sh_lighting/kernel.h"
 
 namespace penumbra {
+namespace sh_lighting {
+
+ShLighting::ShLighting(const Parameters& p, bool packets)
+    : order_(p.integer("order")),
+      directions_(p.integer("directions")),
+      seed_(std::uint64_t(p.integer("seed"))),
+      projection_(order_, sh::parse_window(p.text("window"))) {
+  const std::string& transfer = p.text("transfer");
+  request_.transfer = transfer == "unshadowed" ? Transfer::unshadowed
+                      : transfer == "shadowed" ? Transfer::shadowed
+                                               : Transfer::interreflected;
+  request_.estimator = p.text("estimator") == "plain" ? Estimator::plain : Estimator::complement;
+  request_.bounces = p.integer("bounces");
+  request_.packets = packets;
+}
+
+void ShLighting::prepare(const Scene& scene) {
+  request_.mesh_albedo = scene.receiver_spec.albedo;
+  if (!set_) set_.emplace(order_, directions_, seed_);
+  rays_.build(scene.mesh);
+  set_transfer(scene.mesh, scene.receivers);
+  set_light(scene.light);
+}
+
+void ShLighting::update(const Frame& frame) {
+  receivers_ = &frame.receivers;
+  if (frame.changed.mesh) rays_.build(frame.mesh);
+  if (frame.changed.mesh || frame.changed.receivers) set_transfer(frame.mesh, frame.receivers);
+  if (frame.changed.light) set_light(frame.light);
+}
+
+void ShLighting::shade(View<vec3> radiance) {
+  for (int i = 0; i < receivers_->size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      const float* row = transfer_.at(std::size_t(i), transfer_.channels == 3 ? c : 0);
+      double sum = 0.0;
+      for (int k = 0; k < transfer_.row; ++k) sum += double(light_[c][k]) * double(row[k]);
+      radiance[i][c] = receivers_->albedo[i][c] * float(sum);
+    }
+}
+
+Footprint ShLighting::footprint() const {
+  return {set_ ? set_->bytes() : 0, rays_.bytes() + transfer_.values.size() * sizeof(float) + projection_.bytes(),
+          3 * light_[0].size() * sizeof(float)};
+}
+
+void ShLighting::set_transfer(const Mesh& mesh, const Receivers& receivers) {
+  receivers_ = &receivers;
+  transfer_ = compute_transfer(request_, *set_, rays_, mesh, receivers);
+}
+
+void ShLighting::set_light(const Light& light) {
+  const sh::LightCoefficients& coefficients = projection_.update(*environment_of(light));
+  for (int c = 0; c < 3; ++c) {
+    light_[c].assign(coefficients.channel[c].begin(), coefficients.channel[c].end());
+    light_[c].resize(std::size_t(set_->row), 0.0f);
+  }
+}
+
+}  // namespace sh_lighting
+
 namespace {
 
 using namespace sh_lighting;  // NOLINT: this technique's own parts
-
-class ShLighting : public Technique {
- public:
-  explicit ShLighting(const Parameters& p, bool packets = false)
-      : order_(p.integer("order")),
-        directions_(p.integer("directions")),
-        seed_(std::uint64_t(p.integer("seed"))),
-        projection_(order_, sh::parse_window(p.text("window"))) {
-    const std::string& transfer = p.text("transfer");
-    request_.transfer = transfer == "unshadowed" ? Transfer::unshadowed
-                        : transfer == "shadowed" ? Transfer::shadowed
-                                                 : Transfer::interreflected;
-    request_.estimator = p.text("estimator") == "plain" ? Estimator::plain : Estimator::complement;
-    request_.bounces = p.integer("bounces");
-    request_.packets = packets;
-  }
-
-  void prepare(const Scene& scene) override {
-    request_.mesh_albedo = scene.receiver_spec.albedo;
-    if (!set_) set_.emplace(order_, directions_, seed_);
-    rays_.build(scene.mesh);
-    set_transfer(scene.mesh, scene.receivers);
-    set_light(scene.light);
-  }
-
-  void update(const Frame& frame) override {
-    receivers_ = &frame.receivers;
-    if (frame.changed.mesh) rays_.build(frame.mesh);
-    if (frame.changed.mesh || frame.changed.receivers) set_transfer(frame.mesh, frame.receivers);
-    if (frame.changed.light) set_light(frame.light);
-  }
-
-  void shade(View<vec3> radiance) override {
-    for (int i = 0; i < receivers_->size(); ++i)
-      for (int c = 0; c < 3; ++c) {
-        const float* row = transfer_.at(std::size_t(i), transfer_.channels == 3 ? c : 0);
-        double sum = 0.0;
-        for (int k = 0; k < transfer_.row; ++k) sum += double(light_[c][k]) * double(row[k]);
-        radiance[i][c] = receivers_->albedo[i][c] * float(sum);
-      }
-  }
-
-  Footprint footprint() const override {
-    return {set_ ? set_->bytes() : 0, rays_.bytes() + transfer_.values.size() * sizeof(float) + projection_.bytes(),
-            3 * light_[0].size() * sizeof(float)};
-  }
-
- protected:
-  TransferVectors transfer_;
-  std::array<std::vector<float>, 3> light_;  ///< by channel: a row, windowed
-  const Receivers* receivers_ = nullptr;
-
- private:
-  void set_transfer(const Mesh& mesh, const Receivers& receivers) {
-    receivers_ = &receivers;
-    transfer_ = compute_transfer(request_, *set_, rays_, mesh, receivers);
-  }
-
-  void set_light(const Light& light) {
-    const sh::LightCoefficients& coefficients = projection_.update(*environment_of(light));
-    for (int c = 0; c < 3; ++c) {
-      light_[c].assign(coefficients.channel[c].begin(), coefficients.channel[c].end());
-      light_[c].resize(std::size_t(set_->row), 0.0f);
-    }
-  }
-
-  int order_;
-  int directions_;
-  std::uint64_t seed_;
-  std::optional<DirectionSet> set_;
-  sh::LightProjection projection_;
-  Request request_;
-  RayScene rays_;
-};
 
 class ShLightingSimd final : public ShLighting {
  public:

@@ -38,6 +38,24 @@ struct Reflecting {
   const TransferVectors* vertices;
 };
 
+/// Calls done(direction, blocked) for every direction above a receiver's horizon.
+template <class Done>
+void find_blocked(const RayScene& rays, const DirectionSet& set, const Receivers& receivers, int i, bool packets,
+                  Done done) {
+  const vec3 normal = receivers.normal[i], from = rays.lift(receivers.position[i], normal);
+  const float far = std::numeric_limits<float>::infinity();
+  const auto above = [&](int j) { return glm::dot(set.directions[j], normal) > 0.0f; };
+  if (!packets) {
+    for (int j = 0; j < int(set.directions.size()); ++j)
+      if (above(j)) done(j, rays.occluded(from, set.directions[j], far));
+    return;
+  }
+  auto queue = make_ray_queue<int>(rays, done, true);
+  for (int j = 0; j < int(set.directions.size()); ++j)
+    if (above(j)) queue.push(j, from, set.directions[j], far);
+  queue.flush();
+}
+
 class Gatherer {
  public:
   Gatherer(const Request& request, const DirectionSet& set, const RayScene& rays, const Receivers& receivers,
@@ -54,7 +72,7 @@ class Gatherer {
     std::vector<int> chosen;  // directions to subtract (complement) or to add (plain)
     std::vector<Bounce> bounces;
     if (request_.transfer != Transfer::unshadowed)
-      find_blocked(i, [&](int j, bool blocked) {
+      find_blocked(rays_, set_, receivers_, i, request_.packets, [&](int j, bool blocked) {
         if (blocked == complement) chosen.push_back(j);
         if (blocked && reflecting_) add_bounce(i, j, bounces);
       });
@@ -70,23 +88,6 @@ class Gatherer {
   void add_lobe(vec3 normal, float* out) const {
     const std::vector<double> lobe = sh::rotate_zonal(sh::cosine_lobe(set_.order), normal);
     for (std::size_t k = 0; k < lobe.size(); ++k) out[k] = float(lobe[k] / pi);
-  }
-
-  /// Calls done(direction, blocked) for every direction above the horizon.
-  template <class Done>
-  void find_blocked(int i, Done done) const {
-    const vec3 normal = receivers_.normal[i], from = rays_.lift(receivers_.position[i], normal);
-    const float far = std::numeric_limits<float>::infinity();
-    const auto above = [&](int j) { return glm::dot(set_.directions[j], normal) > 0.0f; };
-    if (!request_.packets) {
-      for (int j = 0; j < int(set_.directions.size()); ++j)
-        if (above(j)) done(j, rays_.occluded(from, set_.directions[j], far));
-      return;
-    }
-    auto queue = make_ray_queue<int>(rays_, done, true);
-    for (int j = 0; j < int(set_.directions.size()); ++j)
-      if (above(j)) queue.push(j, from, set_.directions[j], far);
-    queue.flush();
   }
 
   /// The mesh reflects from its front; its back is black.
@@ -152,6 +153,20 @@ Receivers vertices_of(const Mesh& mesh) {
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> blocked_directions(const DirectionSet& set, const RayScene& rays, const Receivers& receivers,
+                                              int begin, int end) {
+  const std::size_t words = words_of(set);
+  std::vector<std::uint32_t> bits(std::size_t(end - begin) * words, 0u);
+  tbb::parallel_for(begin, end, [&](int i) {
+    if (!receivers.valid(i)) return;
+    std::uint32_t* own = &bits[std::size_t(i - begin) * words];
+    find_blocked(rays, set, receivers, i, true, [&](int j, bool blocked) {
+      if (blocked) own[j / 32] |= 1u << (j % 32);
+    });
+  });
+  return bits;
+}
 
 TransferVectors compute_transfer(const Request& request, const DirectionSet& set, const RayScene& rays,
                                  const Mesh& mesh, const Receivers& receivers) {

@@ -47,4 +47,12 @@ struct TransferVectors {
 TransferVectors compute_transfer(const Request& request, const DirectionSet& set, const RayScene& rays,
                                  const Mesh& mesh, const Receivers& receivers);
 
+/// Directions above the horizon of receivers [begin, end) that the mesh blocks: a bit each, receivers one after the
+/// other in whole words. Rays in packets, in parallel.
+std::vector<std::uint32_t> blocked_directions(const DirectionSet& set, const RayScene& rays, const Receivers& receivers,
+                                              int begin, int end);
+inline std::size_t words_of(const DirectionSet& set) {
+  return (set.directions.size() + 31) / 32;
+}
+
 }  // namespace penumbra::sh_lighting

@@ -155,7 +155,7 @@ void exponential_one(benchmark::State& state) {
   for (const double value : sh::rotate_zonal(cap_logarithm(order, 0.87), glm::normalize(dvec3(1, 2, 3))))
     f.push_back(float(value));
   for (auto _ : state) {
-    optimal_linear<float>(fit, f, f[0] * 0.28209479177387814f, g.data());
+    optimal_linear(fit, f.data(), int(f.size()), f[0] * 0.28209479177387814f, g.data());
     benchmark::DoNotOptimize(g.data());
     benchmark::ClobberMemory();
   }
