@@ -122,8 +122,7 @@ __device__ vec3 apply_functional(const FunctionalSpans& f, std::size_t which, co
     if (slot < 0 || block == 0 || block == 0xffff) continue;
     for (int entry = 1; entry < 16; ++entry) {
       const auto row = float(v.table.at(block, entry));
-      for (unsigned c = 0; c < 3; ++c)
-        sum[int(c)] += f.level2[unsigned(slot) * 48 + c * 16 + unsigned(entry)] * row;
+      for (unsigned c = 0; c < 3; ++c) sum[int(c)] += f.level2[unsigned(slot) * 48 + c * 16 + unsigned(entry)] * row;
       tally(6);
     }
   }

@@ -1,11 +1,11 @@
-// What the kernels are written with. A .cu file is compiled twice: by nvcc for the device, and as C++ for the host, where
-// tests run it (host/execution.h). It is plain CUDA, with
+// What the kernels are written with. A .cu file is compiled twice: by nvcc for the device, and as C++ for the host,
+// where tests run it (host/execution.h). It is plain CUDA, with
 //
 //   namespace penumbra::PENUMBRA_CUDA_NAMESPACE    around it: `cuda` on the device, `cuda_on_host` on the host
 //   Span<T>                                        for device memory, PENUMBRA_SHARED(T, name, n) for shared memory
 //   atomic_add(array, i, value)                    for atomics on either
-//   tally(n)                                       beside the inner loops: n floating-point operations; free on the device
-//   PENUMBRA_UNROLL                                before loops over arrays that belong in registers
+//   tally(n)                                       beside the inner loops: n floating-point operations; free on the
+//   device PENUMBRA_UNROLL                                before loops over arrays that belong in registers
 //   launch(stream, PENUMBRA_KERNEL(f), blocks, threads, arguments...)
 //
 // Blocks and grids are one-dimensional; blocks are whole warps.
@@ -38,7 +38,8 @@ __device__ T warp_sum(T value) {
   return value;
 }
 
-/// Sum over a block of `warps` warps, in every thread of it; `scratch` holds a value a warp. All threads must come here.
+/// Sum over a block of `warps` warps, in every thread of it; `scratch` holds a value a warp. All threads must come
+/// here.
 template <class Shared>
 __device__ float block_sum(float value, Shared scratch, unsigned warps) {
   value = warp_sum(value);

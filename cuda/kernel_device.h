@@ -7,12 +7,16 @@
 
 #include "cuda/runtime.h"
 
-#define PENUMBRA_SHARED(T, name, count) \
-  __shared__ T name##_memory[count];    \
-  const penumbra::cuda::SharedSpan<T> name { name##_memory }
+#define PENUMBRA_SHARED(T, name, count)      \
+  __shared__ T name##_memory[count];         \
+  const penumbra::cuda::SharedSpan<T> name { \
+    name##_memory                            \
+  }
 #define PENUMBRA_UNROLL _Pragma("unroll")
 #define PENUMBRA_KERNEL(f) \
-  penumbra::cuda::Kernel { #f, f }
+  penumbra::cuda::Kernel { \
+#f, f                  \
+  }
 
 namespace penumbra::cuda {
 
@@ -23,7 +27,7 @@ struct Span {
   std::size_t size = 0;
   __device__ T& operator[](std::size_t i) const { return data[i]; }
   template <std::same_as<const T> U>
-  operator Span<U>() const {
+  __host__ __device__ operator Span<U>() const {
     return {data, size};
   }
 };
@@ -52,7 +56,8 @@ struct Kernel {
 
 /// Queues a kernel; nothing if there are no blocks. Throws DeviceError with the caller's file and line.
 template <class... P, class... A>
-void launch(const Stream& stream, const Kernel<P...>& kernel, unsigned blocks, unsigned threads, const A&... arguments) {
+void launch(const Stream& stream, const Kernel<P...>& kernel, unsigned blocks, unsigned threads,
+            const A&... arguments) {
   if (blocks == 0) return;
   KernelTimer timer(stream, kernel.name);
   kernel.function<<<blocks, threads, 0, stream.handle()>>>(P(arguments)...);

@@ -5,13 +5,16 @@
 
 #include "techniques/registry.h"
 
-#define PENUMBRA_CUDA_TECHNIQUES(USE)             \
-  USE("pixel-basis", make_pixel_basis)            \
-  USE("wavelet", make_wavelet)                    \
-  USE("wavelet-product", make_wavelet_product)    \
-  USE("wavelet-dense", make_wavelet_dense)        \
-  USE("sh-lighting", make_sh_lighting)            \
-  USE("sh-exponentiation", make_sh_exponentiation)
+#define PENUMBRA_CUDA_TECHNIQUES(USE)              \
+  USE("pixel-basis", make_pixel_basis)             \
+  USE("wavelet", make_wavelet)                     \
+  USE("wavelet-product", make_wavelet_product)     \
+  USE("wavelet-dense", make_wavelet_dense)         \
+  USE("sh-lighting", make_sh_lighting)             \
+  USE("sh-exponentiation", make_sh_exponentiation) \
+  USE("pcss", make_pcss)                           \
+  USE("hqepcss", make_hqepcss)                     \
+  USE("fast-pcss", make_fast_pcss)
 
 namespace penumbra {
 

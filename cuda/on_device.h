@@ -83,9 +83,7 @@ class DeviceReceivers {
   ReceiverSpans spans() const {
     return {position_.span(), normal_.span(), albedo_.span(), on_occluder_.span(), width_, height_};
   }
-  std::size_t bytes() const {
-    return position_.bytes() + normal_.bytes() + albedo_.bytes() + on_occluder_.bytes();
-  }
+  std::size_t bytes() const { return position_.bytes() + normal_.bytes() + albedo_.bytes() + on_occluder_.bytes(); }
 
  private:
   Buffer<vec3> position_, normal_, albedo_;

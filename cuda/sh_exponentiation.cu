@@ -188,12 +188,11 @@ __device__ void reflect(const ReflectionRows& rows, vec3 normal, const float* vi
   sh::product<order>(visibility, lobe, reflected);
   radiance = unshadowed = vec3(0.0f);
   PENUMBRA_UNROLL
-  for (int c = 0; c < 3; ++c)
-    PENUMBRA_UNROLL
-    for (int k = 0; k < size; ++k) {
-      radiance[c] += rows.light[c][k] * reflected[k];
-      unshadowed[c] += rows.light[c][k] * lobe[k];
-    }
+  for (int c = 0; c < 3; ++c) PENUMBRA_UNROLL
+  for (int k = 0; k < size; ++k) {
+    radiance[c] += rows.light[c][k] * reflected[k];
+    unshadowed[c] += rows.light[c][k] * lobe[k];
+  }
   tally(float(2 * size * size + 13 * size));
 }
 
@@ -207,8 +206,7 @@ __device__ void reflect_by_table(const Span<const float>& by_normal, vec3 normal
   PENUMBRA_UNROLL
   for (unsigned c = 0; c < 3; ++c) {
     PENUMBRA_UNROLL
-    for (int k = 0; k < size; ++k)
-      radiance[int(c)] += by_normal[(texel * 3 + c) * size + unsigned(k)] * visibility[k];
+    for (int k = 0; k < size; ++k) radiance[int(c)] += by_normal[(texel * 3 + c) * size + unsigned(k)] * visibility[k];
     unshadowed[int(c)] = by_normal[(texel * 3 + c) * size] * root_4pi;
   }
   tally(float(6 * size));
@@ -231,8 +229,8 @@ __global__ void __launch_bounds__(threads)
   unsigned non_finite = 0, clamped = 0;
   PENUMBRA_UNROLL
   for (int c = 0; c < 3; ++c)
-    out[c] = sh_exponentiation::guarded(value[c] * float(1.0 / pi), unshadowed[c] * float(1.0 / pi), non_finite,
-                                        clamped);
+    out[c] =
+        sh_exponentiation::guarded(value[c] * float(1.0 / pi), unshadowed[c] * float(1.0 / pi), non_finite, clamped);
   if (non_finite > 0) atomic_add(counts, 0, non_finite);
   if (clamped > 0) atomic_add(counts, 1, clamped);
   radiance[i] = receivers.albedo[i] * out;

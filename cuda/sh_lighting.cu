@@ -26,8 +26,8 @@ struct LobeFactors {
   float band[6] = {};
 };
 
-/// T_k = lobe_k(N) + scale * sum of cos_j Y_k(w_j) over the directions above the horizon whose bit is `which`: a block a
-/// receiver, first + the block's number. Transfer lies as [coefficient][receiver].
+/// T_k = lobe_k(N) + scale * sum of cos_j Y_k(w_j) over the directions above the horizon whose bit is `which`: a block
+/// a receiver, first + the block's number. Transfer lies as [coefficient][receiver].
 template <int order>
 __global__ void __launch_bounds__(project_threads)
     project_transfer(DirectionSpans set, ReceiverSpans receivers, Span<const std::uint32_t> blocked, bool which,
@@ -73,8 +73,8 @@ struct LightRows {
 
 /// B = albedo * sum of L_k T_k: a thread a receiver. `channels`: 1, or 3 where the mesh has reflected colours.
 __global__ void __launch_bounds__(shade_threads)
-    shade_transfer(LightRows light, int coefficients, int channels, Span<const float> transfer,
-                   ReceiverSpans receivers, Span<vec3> radiance) {
+    shade_transfer(LightRows light, int coefficients, int channels, Span<const float> transfer, ReceiverSpans receivers,
+                   Span<vec3> radiance) {
   const std::size_t i = global_thread(), count = radiance.size;
   if (i >= count) return;
   vec3 sum(0.0f);

@@ -1,5 +1,5 @@
-// Blocked texels of one receiver, by one block (Zhao & Che 2011, section 3.3): spheres in chunks, their table entries or
-// caps found by a thread each; then a thread a word, or a lane a texel, ORs them.
+// Blocked texels of one receiver, by one block (Zhao & Che 2011, section 3.3): spheres in chunks, their table entries
+// or caps found by a thread each; then a thread a word, or a lane a texel, ORs them.
 #pragma once
 
 #include "cuda/on_device.h"
@@ -23,19 +23,19 @@ struct Thresholds {
 struct VisibilitySpans {
   int n = 0;
   Span<const Sphere> spheres;
-  Span<const vec3> directions;       ///< raster
-  Span<const Cone> lines;            ///< bounds of 512 texels
-  Span<const std::uint32_t> table;   ///< words of the entries
-  Span<const std::uint16_t> touched; ///< lines that an entry touches
+  Span<const vec3> directions;        ///< raster
+  Span<const Cone> lines;             ///< bounds of 512 texels
+  Span<const std::uint32_t> table;    ///< words of the entries
+  Span<const std::uint16_t> touched;  ///< lines that an entry touches
   Thresholds thresholds;
   PENUMBRA_HD unsigned words() const { return unsigned(6 * n * n) / 32; }
 };
 
 /// Shared memory of find_blocked().
 struct BlockedScratch {
-  SharedSpan<int> entry;             ///< receiver_threads
-  SharedSpan<Cap> cap;               ///< receiver_threads; raster
-  SharedSpan<std::uint64_t> touched; ///< receiver_threads; lines that a sphere may touch
+  SharedSpan<int> entry;              ///< receiver_threads
+  SharedSpan<Cap> cap;                ///< receiver_threads; raster
+  SharedSpan<std::uint64_t> touched;  ///< receiver_threads; lines that a sphere may touch
 };
 
 /// ORs a chunk of table entries into this thread's word.

@@ -148,8 +148,8 @@ __global__ void __launch_bounds__(receiver_threads)
     if (threadIdx.x == 0) radiance[i] = vec3(0.0f);
     return;
   }
-  write_sum(apply_functional(functionals, plans.plan_of[i], store.of(blockIdx.x, n, table)), sums,
-            receivers.albedo[i], radiance[i]);
+  write_sum(apply_functional(functionals, plans.plan_of[i], store.of(blockIdx.x, n, table)), sums, receivers.albedo[i],
+            radiance[i]);
 }
 
 // --- the technique ---------------------------------------------------------------------------------------------------
@@ -243,9 +243,7 @@ class WaveletOnDevice final : public OnDevice<wavelet::Wavelet> {
     means_.resize(count * 6 * std::size_t(haar::pyramid_size(haar::levels_of(n_ / 4))));
   }
 
-  FunctionalSpans functionals() const {
-    return {functional_level1_.span(), slot_.span(), functional_level2_.span()};
-  }
+  FunctionalSpans functionals() const { return {functional_level1_.span(), slot_.span(), functional_level2_.span()}; }
 
   template <From from>
   void queue_from() {

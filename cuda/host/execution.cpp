@@ -108,7 +108,8 @@ std::size_t Block::free_worker() {
       }
       return std::move(back_);
     };
-    worker->fiber = boost::context::fiber(std::allocator_arg, boost::context::fixedsize_stack(std::size_t(1) << 16), life);
+    worker->fiber =
+        boost::context::fiber(std::allocator_arg, boost::context::fixedsize_stack(std::size_t(1) << 16), life);
     free_.push_back(index);
   }
   const std::size_t index = free_.back();
@@ -272,7 +273,8 @@ void wait_for_block(std::source_location where) {
 }
 
 const std::uint64_t* exchange(unsigned mask, std::uint64_t bits, const char* what, std::source_location where) {
-  if (!(mask >> (thread_index.x % warp_size) & 1u)) fail(fmt::format("{}: the mask leaves its caller out", what), where);
+  if (!(mask >> (thread_index.x % warp_size) & 1u))
+    fail(fmt::format("{}: the mask leaves its caller out", what), where);
   block->wait(Thread::State::at_warp, mask, bits, what, where);
   return block->answer();
 }
@@ -333,9 +335,9 @@ void Shadow::check_write(std::size_t i, std::source_location where) {
   Mark& mark = marks_[i];
   const int me = int(block->current());
   if (mark.write.thread != me && !ordered(mark.write))
-    fail(fmt::format("writes shared element {}, which thread {} wrote, without a barrier between", i,
-                     mark.write.thread),
-         where);
+    fail(
+        fmt::format("writes shared element {}, which thread {} wrote, without a barrier between", i, mark.write.thread),
+        where);
   if ((mark.several_readers || mark.read.thread != me) && !ordered(mark.read))
     fail(fmt::format("writes shared element {}, which thread {} read, without a barrier between", i, mark.read.thread),
          where);

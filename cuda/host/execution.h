@@ -34,10 +34,10 @@ void set_order(Order order);
 struct Counts {
   std::size_t launches = 0, blocks = 0, threads = 0;
   unsigned block_size = 0;
-  double operations = 0;       ///< floating-point, as the kernel tallies them
-  std::size_t bytes = 0;       ///< of global memory, as threads ask for them
+  double operations = 0;         ///< floating-point, as the kernel tallies them
+  std::size_t bytes = 0;         ///< of global memory, as threads ask for them
   std::size_t unique_bytes = 0;  ///< the same, every sector of 32 bytes once a launch: what no cache can save
-  std::size_t barriers = 0;    ///< times a block waited
+  std::size_t barriers = 0;      ///< times a block waited
 };
 /// Counting is off at first, since it is slow. Turning it on starts anew.
 void count_launches(bool on);

@@ -3,8 +3,8 @@
 
 #include <atomic>
 #include <bit>
-#include <concepts>
 #include <cmath>
+#include <concepts>
 #include <cstring>
 #include <type_traits>
 
@@ -14,11 +14,12 @@
 #define __global__
 #define __device__
 #define __launch_bounds__(...)
-#define PENUMBRA_SHARED(T, name, count) \
-  const auto name = penumbra::cuda_on_host::shared_span<T, count>([] {})
+#define PENUMBRA_SHARED(T, name, count) const auto name = penumbra::cuda_on_host::shared_span<T, count>([] {})
 #define PENUMBRA_UNROLL
-#define PENUMBRA_KERNEL(f) \
-  penumbra::cuda_on_host::Kernel { #f, f }
+#define PENUMBRA_KERNEL(f)         \
+  penumbra::cuda_on_host::Kernel { \
+#f, f                          \
+  }
 
 namespace penumbra::cuda_on_host {
 
@@ -107,8 +108,7 @@ struct SharedSpan {
 template <class T, std::size_t count, class Declaration>
 SharedSpan<T> shared_span(Declaration) {
   static const char key = 0;
-  return {static_cast<SharedArray<T>*>(
-      &shared_memory(&key, [] { return std::make_unique<SharedArray<T>>(count); }))};
+  return {static_cast<SharedArray<T>*>(&shared_memory(&key, [] { return std::make_unique<SharedArray<T>>(count); }))};
 }
 
 inline void __syncthreads(Where where = Where::current()) {
@@ -128,7 +128,8 @@ std::uint64_t to_bits(T value) {
 template <class T>
 T from_lane(unsigned mask, T value, unsigned lane, const char* what, Where where) {
   const std::uint64_t bits = exchange(mask, to_bits(value), what, where)[lane];
-  if (!(mask >> lane & 1u)) fail(std::string(what) + " reads lane " + std::to_string(lane) + " outside its mask", where);
+  if (!(mask >> lane & 1u))
+    fail(std::string(what) + " reads lane " + std::to_string(lane) + " outside its mask", where);
   std::memcpy(&value, &bits, sizeof(T));
   return value;
 }
@@ -183,7 +184,8 @@ template <class... P>
 Kernel(const char*, void (*)(P...)) -> Kernel<P...>;
 
 template <class... P, class... A>
-void launch(const Stream& stream, const Kernel<P...>& kernel, unsigned blocks, unsigned threads, const A&... arguments) {
+void launch(const Stream& stream, const Kernel<P...>& kernel, unsigned blocks, unsigned threads,
+            const A&... arguments) {
   if (blocks == 0) return;
   stream.run([=] { run_grid(kernel.name, blocks, threads, [&] { kernel.function(P(arguments)...); }); });
 }

@@ -42,14 +42,14 @@ void AreaShadow::refresh(const Mesh& mesh, const Light& light, const Receivers& 
   const AreaLight& lamp = *area_light_of(light);
   receivers_ = &receivers;
   emitted_ = lamp.radiance;
+  if (changed.light) lamp_ = make_polygon(lamp);
   if (changed.mesh) rays_.build(mesh);
   clock_.reset();
   if (changed.light || changed.receivers)
     clock_.measure("lighting", [&] {
       unshadowed_.resize(std::size_t(receivers.size()));
-      const LampPolygon polygon = make_polygon(lamp);
       for_ranges(receivers.size(), 4096,
-                 [&](int begin, int end) { find_unshadowed(polygon, begin, end, unshadowed_.data()); });
+                 [&](int begin, int end) { find_unshadowed(lamp_, begin, end, unshadowed_.data()); });
     });
   if (!changed.mesh && !changed.light && !changed.receivers) return;
   clock_.measure("map", [&] {

@@ -59,6 +59,8 @@ class AreaShadow : public Technique {
   StageClock clock_;
   bool parallel_;
   float bias_;  ///< texels
+  LampPolygon lamp_;
+  vec3 emitted_{0.0f};
 
  private:
   void shade_tiles();
@@ -67,7 +69,6 @@ class AreaShadow : public Technique {
   std::array<std::atomic<long long>, parts> part_ns_{};
   LightViewSettings settings_;
   RayScene rays_;
-  vec3 emitted_{0.0f};
   std::size_t outside_ = 0;
   std::vector<float> unshadowed_, visibility_;
 };

@@ -21,17 +21,10 @@ std::vector<float> gaussian(int radius) {
 }
 
 void blur_part(const MaskedImage& in, const std::vector<float>& kernel, int row, int begin, int end, MaskedImage& out) {
-  const int radius = int(kernel.size()) - 1;
   const std::size_t first = std::size_t(row) * in.width;
-  for (int x = begin; x < end; ++x) {
-    float value = 0.0f, weight = 0.0f;
-    for (int k = std::max(-radius, -x); k <= std::min(radius, in.width - 1 - x); ++k) {
-      const float w = kernel[std::abs(k)] * in.weight[first + x + k];
-      value += w * in.value[first + x + k];
-      weight += w;
-    }
-    out.value[first + x] = value, out.weight[first + x] = weight;
-  }
+  for (int x = begin; x < end; ++x)
+    blur_at(in.value, in.weight, kernel, int(kernel.size()) - 1, false, first, 1, x, in.width, out.value[first + x],
+            out.weight[first + x]);
 }
 
 void blur_rows(const MaskedImage& in, const std::vector<float>& kernel, int begin, int end, MaskedImage& out) {
@@ -40,14 +33,10 @@ void blur_rows(const MaskedImage& in, const std::vector<float>& kernel, int begi
 
 void blur_column_part(const MaskedImage& in, const std::vector<float>& kernel, int row, int begin, int end,
                       float* out) {
-  const int radius = int(kernel.size()) - 1;
   for (int x = begin; x < end; ++x) {
-    float value = 0.0f, weight = 0.0f;
-    for (int k = std::max(-radius, -row); k <= std::min(radius, in.height - 1 - row); ++k) {
-      const std::size_t at = std::size_t(row + k) * in.width + x;
-      value += kernel[std::abs(k)] * in.value[at];
-      weight += kernel[std::abs(k)] * in.weight[at];
-    }
+    float value, weight;
+    blur_at(in.value, in.weight, kernel, int(kernel.size()) - 1, true, std::size_t(x), std::size_t(in.width), row,
+            in.height, value, weight);
     out[std::size_t(row) * in.width + x] = weight > 0.0f ? value / weight : 1.0f;
   }
 }

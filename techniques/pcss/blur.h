@@ -5,12 +5,29 @@
 #include <cstdint>
 #include <vector>
 
+#include "scenes/math.h"
+
 namespace penumbra::pcss {
 
 constexpr int most_blur = 16;
 
 /// Weights of offsets 0 to radius, of sum 1 over -radius to radius.
 std::vector<float> gaussian(int radius);
+
+/// Sums of weight * value and of weight under the kernel at place `at` of `length`, elements `step` apart from `first`
+/// on. `weighted`: the values are such sums already.
+template <class Values, class Kernel>
+PENUMBRA_HD void blur_at(const Values& values, const Values& weights, const Kernel& kernel, int radius, bool weighted,
+                         std::size_t first, std::size_t step, int at, int length, float& value, float& weight) {
+  value = weight = 0.0f;
+  const int low = at < radius ? -at : -radius, high = at + radius < length ? radius : length - 1 - at;
+  for (int k = low; k <= high; ++k) {
+    const std::size_t i = first + std::size_t(at + k) * step;
+    const float own = kernel[unsigned(k < 0 ? -k : k)], w = own * weights[i];
+    value += (weighted ? own : w) * values[i];
+    weight += w;
+  }
+}
 
 /// An image of visibility and one of 0 or 1, whether the receiver counts.
 struct MaskedImage {

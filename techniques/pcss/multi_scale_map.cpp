@@ -15,8 +15,9 @@ void MultiScaleMap::allocate(int edge, int largest) {
   edge_ = edge;
   allocated_ = largest;
   const std::size_t size = std::size_t(largest + 1) * edge * edge;  // pages of it that no square fills stay untouched
-  bounds_ = std::make_unique_for_overwrite<float[]>(2 * size);
-  mean_ = std::make_unique_for_overwrite<float[]>(size);
+  bounds_memory_ = std::make_unique_for_overwrite<float[]>(2 * size);
+  mean_memory_ = std::make_unique_for_overwrite<float[]>(size);
+  bounds_ = bounds_memory_.get(), mean_ = mean_memory_.get();
 }
 
 std::size_t MultiScaleMap::bytes() const {
@@ -34,39 +35,19 @@ void merge_row(const float* top, const float* bottom, int step, int count, float
   for (int x = 0; x < count; ++x) out[x] = merge(top[x], top[x + step], bottom[x], bottom[x + step]);
 }
 
-constexpr auto least = [](float a, float b, float c, float d) { return std::min(std::min(a, b), std::min(c, d)); };
-constexpr auto average = [](float a, float b, float c, float d) { return 0.25f * ((a + b) + (c + d)); };
-
-/// How many of `size` texels from `start` on lie on a map of `edge`.
-int on_map(int start, int size, int edge) {
-  return std::clamp(edge - start, 0, size);
-}
-
 }  // namespace
 
 void MultiScaleMap::build_rows(int level, int begin, int end) {
   const int below = level - 1, step = 1 << below;
   const int inner = edge_ - (1 << level) + 1;  // offsets whose squares lie on the map
   for (int y = begin; y < end; ++y) {
-    const std::size_t top = index(0, y, below), bottom = y + step < edge_ ? index(0, y + step, below) : top;
-    const std::size_t out = index(0, y, level);
     const int whole = y < inner ? inner : 0;
-    merge_row(&bounds_[2 * top], &bounds_[2 * bottom], 2 * step, 2 * whole, &bounds_[2 * out], least);
-    merge_row(&mean_[top], &mean_[bottom], step, whole, &mean_[out], average);
-    // Only the full layout has more: squares that stick out, their means weighted by texels on the map.
-    const auto tall = float(on_map(y, step, edge_)), flat = float(on_map(y + step, step, edge_));
-    for (int x = whole; x < stride(level); ++x) {
-      const int right = x + step < edge_ ? step : 0;
-      const std::size_t a = top + std::size_t(x), c = bottom + std::size_t(x), b = a + right, d = c + right;
-      for (std::size_t k = 0; k < 2; ++k)
-        bounds_[2 * (out + x) + k] =
-            least(bounds_[2 * a + k], bounds_[2 * b + k], bounds_[2 * c + k], bounds_[2 * d + k]);
-      const auto wide = float(on_map(x, step, edge_)), far = float(on_map(x + step, step, edge_));
-      const auto weighted = [](float value, float weight) { return weight > 0.0f ? weight * value : 0.0f; };
-      mean_[out + x] = (weighted(mean_[a], wide * tall) + weighted(mean_[b], far * tall) +
-                        weighted(mean_[c], wide * flat) + weighted(mean_[d], far * flat)) /
-                       ((wide + far) * (tall + flat));
+    if (whole > 0) {
+      const std::size_t top = index(0, y, below), bottom = index(0, y + step, below), out = index(0, y, level);
+      merge_row(&bounds_[2 * top], &bounds_[2 * bottom], 2 * step, 2 * whole, &bounds_[2 * out], detail::least);
+      merge_row(&mean_[top], &mean_[bottom], step, whole, &mean_[out], detail::average);
     }
+    for (int x = whole; x < stride(level); ++x) merge(x, y, level);  // only the full layout has more
   }
 }
 
@@ -83,10 +64,7 @@ void MultiScaleMap::build(const ShadowMap& map, LevelLayout layout, int largest,
   };
   rows_of(edge_, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
-      for (int x = 0; x < edge_; ++x) {
-        const std::size_t i = index(x, y, 0);
-        bounds_[2 * i] = mean_[i] = map.at(x, y), bounds_[2 * i + 1] = -map.at(x, y);
-      }
+      for (int x = 0; x < edge_; ++x) set_texel(x, y, map.at(x, y));
   });
   for (int level = 1; level <= largest; ++level)
     rows_of(stride(level), [&](int begin, int end) { build_rows(level, begin, end); });

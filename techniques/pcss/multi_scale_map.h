@@ -19,39 +19,101 @@ struct DepthRange {
   float low, high;
 };
 
-class MultiScaleMap {
+/// The squares, wherever the numbers lie (`Floats` is an array of them).
+template <class Floats>
+class MultiScaleLevels {
  public:
-  /// Levels 0 (the map itself) to `largest`, at most floor(log2(resolution)).
-  void build(const ShadowMap& map, LevelLayout layout, int largest, bool parallel);
+  MultiScaleLevels() = default;
+  PENUMBRA_HD MultiScaleLevels(LevelLayout layout, int edge, int largest, Floats bounds, Floats means)
+      : layout_(layout), edge_(edge), largest_(largest), bounds_(bounds), mean_(means) {}
 
-  int edge() const { return edge_; }        ///< of the map, texels
-  int largest() const { return largest_; }  ///< level
+  PENUMBRA_HD int edge() const { return edge_; }        ///< of the map, texels
+  PENUMBRA_HD int largest() const { return largest_; }  ///< level
   /// Squares along an edge of a level; also its row stride.
-  int stride(int level) const { return layout_ == LevelLayout::full ? edge_ : edge_ - (1 << level) + 1; }
-  /// Number of a square in bounds() and mean(): level by level, each from a multiple of edge^2 on.
-  std::size_t index(int left, int top, int level) const {
-    return std::size_t(level) * edge_ * edge_ + std::size_t(top) * stride(level) + left;
+  PENUMBRA_HD int stride(int level) const { return layout_ == LevelLayout::full ? edge_ : edge_ - (1 << level) + 1; }
+  /// Number of a square in bounds() and means(): level by level, each from a multiple of edge^2 on.
+  PENUMBRA_HD std::size_t index(int left, int top, int level) const {
+    return std::size_t(level) * std::size_t(edge_) * std::size_t(edge_) +
+           std::size_t(top) * std::size_t(stride(level)) + std::size_t(left);
   }
-  float low(const Square& s) const { return bounds_[2 * index(s.left, s.top, s.level)]; }
-  DepthRange range(const Square& s) const {
+  PENUMBRA_HD float low(const Square& s) const { return bounds_[2 * index(s.left, s.top, s.level)]; }
+  PENUMBRA_HD DepthRange range(const Square& s) const {
     const std::size_t i = index(s.left, s.top, s.level);
     return {bounds_[2 * i], -bounds_[2 * i + 1]};
   }
-  float mean(const Square& s) const { return mean_[index(s.left, s.top, s.level)]; }
-  /// Two numbers a square: its least depth, and its largest one negated, so that both are minima. Side by side, since
-  /// who asks for one asks for the other.
-  const float* bounds() const { return bounds_.get(); }
-  const float* means() const { return mean_.get(); }
+  PENUMBRA_HD float mean(const Square& s) const { return mean_[index(s.left, s.top, s.level)]; }
   LevelLayout layout() const { return layout_; }
+
+  /// A square of level 0: the texel's depth.
+  PENUMBRA_HD void set_texel(int x, int y, float depth) const {
+    const std::size_t i = index(x, y, 0);
+    bounds_[2 * i] = mean_[i] = depth, bounds_[2 * i + 1] = -depth;
+  }
+  /// A square of a higher level, from the four of the level before. One that sticks out of the map (full layout) takes
+  /// those that are on it; their means are weighted by texels.
+  PENUMBRA_HD void merge(int x, int y, int level) const;
+
+ protected:
+  LevelLayout layout_ = LevelLayout::reduced;
+  int edge_ = 0, largest_ = -1;
+  /// bounds: two numbers a square, its least depth, and its largest one negated, so that both are minima. Side by side,
+  /// since who asks for one asks for the other.
+  Floats bounds_{}, mean_{};
+};
+
+namespace detail {
+
+PENUMBRA_HD inline float least(float a, float b, float c, float d) {
+  const float ab = b < a ? b : a, cd = d < c ? d : c;
+  return cd < ab ? cd : ab;
+}
+PENUMBRA_HD inline float average(float a, float b, float c, float d) {
+  return 0.25f * ((a + b) + (c + d));
+}
+/// How many of `size` texels from `start` on lie on a map of `edge`.
+PENUMBRA_HD inline int on_map(int start, int size, int edge) {
+  const int left = edge - start;
+  return left < 0 ? 0 : left < size ? left : size;
+}
+
+}  // namespace detail
+
+template <class Floats>
+PENUMBRA_HD void MultiScaleLevels<Floats>::merge(int x, int y, int level) const {
+  const int below = level - 1, step = 1 << below;
+  const int right = x + step < edge_ ? x + step : x, down = y + step < edge_ ? y + step : y;
+  const std::size_t a = index(x, y, below), b = index(right, y, below), c = index(x, down, below),
+                    d = index(right, down, below), out = index(x, y, level);
+  for (std::size_t k = 0; k < 2; ++k)
+    bounds_[2 * out + k] =
+        detail::least(bounds_[2 * a + k], bounds_[2 * b + k], bounds_[2 * c + k], bounds_[2 * d + k]);
+  if (x + 2 * step <= edge_ && y + 2 * step <= edge_) {
+    mean_[out] = detail::average(mean_[a], mean_[b], mean_[c], mean_[d]);
+    return;
+  }
+  const auto wide = float(detail::on_map(x, step, edge_)), far = float(detail::on_map(x + step, step, edge_));
+  const auto tall = float(detail::on_map(y, step, edge_)), flat = float(detail::on_map(y + step, step, edge_));
+  const auto weighted = [](float value, float weight) { return weight > 0.0f ? weight * value : 0.0f; };
+  mean_[out] = (weighted(mean_[a], wide * tall) + weighted(mean_[b], far * tall) + weighted(mean_[c], wide * flat) +
+                weighted(mean_[d], far * flat)) /
+               ((wide + far) * (tall + flat));
+}
+
+/// The map that owns its numbers.
+class MultiScaleMap : public MultiScaleLevels<float*> {
+ public:
+  /// Levels 0 (the map itself) to `largest`, at most floor(log2(resolution)).
+  void build(const ShadowMap& map, LevelLayout layout, int largest, bool parallel);
+  const float* bounds() const { return bounds_; }
+  const float* means() const { return mean_; }
   std::size_t bytes() const;
 
  private:
   void allocate(int edge, int largest);
   void build_rows(int level, int begin, int end);
 
-  LevelLayout layout_ = LevelLayout::reduced;
-  int edge_ = 0, largest_ = -1, allocated_ = 0;
-  std::unique_ptr<float[]> bounds_, mean_;
+  int allocated_ = 0;
+  std::unique_ptr<float[]> bounds_memory_, mean_memory_;
 };
 
 /// Largest level whose squares fit a map.

@@ -34,11 +34,13 @@ PENUMBRA_HD inline bool alike(const RegionKey& a, const RegionKey& b, const Reus
 }
 
 /// Centre and size of a receiver's region: of its square if it has one.
-inline RegionKey region_key(const Tile& tile, int k) {
-  const Square& s = tile.square[k];
-  if (s.level < 0) return {tile.x[k], tile.y[k], tile.width[k], tile.depth[k]};
+PENUMBRA_HD inline RegionKey region_key(float x, float y, float width, const Square& s, float depth) {
+  if (s.level < 0) return {x, y, width, depth};
   const float half = 0.5f * float(s.edge());
-  return {float(s.left) + half, float(s.top) + half, 2.0f * half, tile.depth[k]};
+  return {float(s.left) + half, float(s.top) + half, 2.0f * half, depth};
+}
+inline RegionKey region_key(const Tile& tile, int k) {
+  return region_key(tile.x[k], tile.y[k], tile.width[k], tile.square[k], tile.depth[k]);
 }
 
 /// Fills tile.representative; receivers whose entry is -1 before stay so. Areas are those of the whole image: tiles

@@ -15,7 +15,7 @@ struct SampleImage {
   std::array<std::array<vec2, columns>, variants> position;
 
   /// First column and number of samples for a square of `edge` texels: 1 up to 2, 4 at 4, 16 from 8 on.
-  static int count(int edge) { return edge >= 8 ? 16 : edge >= 4 ? 4 : 1; }
+  PENUMBRA_HD static constexpr int count(int edge) { return edge >= 8 ? 16 : edge >= 4 ? 4 : 1; }
   static int first(int edge) { return (count(edge) - 1) / 3; }
 };
 SampleImage make_sample_image(unsigned seed = 1);

@@ -37,14 +37,8 @@ void trace(const RayScene& rays, ShadowMap& map) {
 void project(const LightView& view, const Receivers& receivers, float bias, Tile& tile) {
   for (int k = 0; k < tile.size(); ++k) {
     const std::size_t i = tile.first(k / tile.columns, receivers.width) + std::size_t(k % tile.columns);
-    const vec3 p = receivers.position[i];
-    const float z = view.depth(p);
-    tile.x[k] = tile.y[k] = tile.depth[k] = 0.0f;
-    if (!receivers.valid(int(i)) || !(z > 0.0f)) continue;
-    const vec2 at = view.project(p, z);
-    const float d = receivers.on_occluder[i] ? z - depth_bias(view, bias, p, receivers.normal[i], z) : z;
-    if (!(std::abs(at.x) < 1e6f && std::abs(at.y) < 1e6f && d > 0.0f)) continue;  // too far away, or not a number
-    tile.x[k] = at.x, tile.y[k] = at.y, tile.depth[k] = d;
+    const Projected at = project(view, bias, receivers.position[i], receivers.normal[i], receivers.on_occluder[i] != 0);
+    tile.x[k] = at.x, tile.y[k] = at.y, tile.depth[k] = at.depth;
   }
 }
 

@@ -33,7 +33,21 @@ PENUMBRA_HD inline float depth_bias(const LightView& view, float texels, vec3 po
   return texels * view.texel_at(z) * (1.0f + tangent);
 }
 
-/// Map coordinates and biased depth of a tile's receivers.
+/// Where a receiver lies on the map, texels, and its biased depth, m; all 0 where nothing can shadow: nothing seen,
+/// behind the light, too far away, or not a number.
+struct Projected {
+  float x = 0.0f, y = 0.0f, depth = 0.0f;
+};
+PENUMBRA_HD inline Projected project(const LightView& view, float bias, vec3 p, vec3 normal, bool on_occluder) {
+  const float z = view.depth(p);
+  if (normal == vec3(0.0f) || !(z > 0.0f)) return {};
+  const vec2 at = view.project(p, z);
+  const float d = on_occluder ? z - depth_bias(view, bias, p, normal, z) : z;
+  if (!(std::abs(at.x) < 1e6f && std::abs(at.y) < 1e6f && d > 0.0f)) return {};
+  return {at.x, at.y, d};
+}
+
+/// Of a tile's receivers.
 void project(const LightView& view, const Receivers& receivers, float bias, Tile& tile);
 
 }  // namespace penumbra::pcss

@@ -17,67 +17,26 @@ int SoftShadow::tile_multiple() const {
   return std::lcm(options_.search_reuse.area, options_.filter_reuse.area);
 }
 
+int SoftShadow::largest_needed() const {
+  const LightView& view = map_.view;
+  const float widest = std::max(1.0f, options_.filter_scale) * view.widest();
+  return options_.build_all ? largest_level(view.resolution) : needed_level(widest, view.resolution);
+}
+
 void SoftShadow::map_changed() {
   if (!options_.multi_scale) return;
-  const LightView& view = map_.view;
   if (samples_.stride() != map_.stride()) samples_ = LeafSamples(make_sample_image(), map_);
-  const float widest = std::max(1.0f, options_.filter_scale) * view.widest();
-  const int largest = options_.build_all ? largest_level(view.resolution) : needed_level(widest, view.resolution);
-  clock_.measure("levels", [&] { levels_.build(map_, options_.layout, largest, parallel_); });
+  clock_.measure("levels", [&] { levels_.build(map_, options_.layout, largest_needed(), parallel_); });
 }
 
 // --- step 1: search regions ------------------------------------------------------------------------------------------
 
-float SoftShadow::least_depth(const Square& square, float x, float y, float width) const {
-  if (!options_.overlap) return levels_.low(square);
-  // Four squares of half the size at the corners of the region's texels cover it exactly.
-  int left, right, top, bottom;
-  snapped_range(x, width, levels_.edge(), options_.snapping.inclusive, left, right);
-  snapped_range(y, width, levels_.edge(), options_.snapping.inclusive, top, bottom);
-  const int level =
-      std::min(int(std::bit_width(unsigned(std::min(right - left, bottom - top) + 1))) - 1, levels_.largest());
-  float low = std::numeric_limits<float>::infinity();
-  for (int t = top;; t = std::min(t + (1 << level), bottom + 1 - (1 << level))) {
-    for (int l = left;; l = std::min(l + (1 << level), right + 1 - (1 << level))) {
-      low = std::min(low, levels_.low({l, t, level}));
-      if (l + (1 << level) > right) break;
-    }
-    if (t + (1 << level) > bottom) break;
-  }
-  return low;
-}
-
-void SoftShadow::search_region(Tile& tile, int k) const {
-  const LightView& view = map_.view;
-  const int n = view.resolution;
-  const float x = tile.x[k], y = tile.y[k], d = tile.depth[k];
-  tile.representative[k] = -1;
-  tile.square[k] = {};
-  if (!(d > view.near)) return;
-  float width = view.region(view.near, d);
-  if (misses_map(x, y, width, n)) return;
-  const auto snapped = [&] { return snap(x, y, width, n, levels_.largest(), options_.snapping); };
-  if (options_.refine) {
-    for (int i = 0; i < most_refinements; ++i) {
-      const Square square = snapped();
-      if (square.level < 0) return;
-      const float low = least_depth(square, x, y, width);
-      if (!(low < d)) return;
-      const float before = width;
-      width = std::min(before, view.region(low, d));
-      if (before - width < 1.0f) break;
-    }
-  }
-  if (options_.multi_scale) {
-    tile.square[k] = snapped();
-    if (tile.square[k].level < 0) return;
-  }
-  tile.width[k] = width;
-  tile.representative[k] = k;
-}
-
 void SoftShadow::find_regions(Tile& tile) const {
-  for (int k = 0; k < tile.size(); ++k) search_region(tile, k);
+  for (int k = 0; k < tile.size(); ++k) {
+    const Region region = search_region(map_.view, levels_, options_, tile.x[k], tile.y[k], tile.depth[k]);
+    tile.width[k] = region.width, tile.square[k] = region.square;
+    tile.representative[k] = region.lit ? -1 : k;
+  }
 }
 
 // --- steps 2 and 4: blockers in a region -----------------------------------------------------------------------------
@@ -121,16 +80,11 @@ void SoftShadow::make_filter_regions(Tile& tile) const {
   }
   for (int k = 0; k < tile.size(); ++k) {
     tile.visibility[k] = 1.0f;
-    // A shared blocker may lie behind this receiver.
-    if (tile.representative[k] < 0 || !(tile.blocker[k] > 0.0f) || !(tile.blocker[k] < tile.depth[k])) {
-      tile.representative[k] = -1;
-      continue;
-    }
-    tile.width[k] = map_.view.region(tile.blocker[k], tile.depth[k], options_.filter_scale);
-    if (options_.multi_scale)
-      tile.square[k] =
-          snap(tile.x[k], tile.y[k], tile.width[k], map_.resolution(), levels_.largest(), options_.snapping);
-    tile.representative[k] = options_.multi_scale && tile.square[k].level < 0 ? -1 : k;
+    if (tile.representative[k] < 0) continue;
+    const Region region =
+        filter_region(map_.view, levels_.largest(), options_, tile.x[k], tile.y[k], tile.depth[k], tile.blocker[k]);
+    tile.width[k] = region.width, tile.square[k] = region.square;
+    tile.representative[k] = region.lit ? -1 : k;
   }
 }
 

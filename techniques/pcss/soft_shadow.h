@@ -37,6 +37,72 @@ struct SoftOptions {
 
 constexpr int most_refinements = 4;
 
+/// A region as the steps want it; lit: nothing in it can block.
+struct Region {
+  bool lit = true;
+  float width = 0.0f;  ///< texels
+  Square square;       ///< that stands for it, with a multi-scale map
+};
+
+/// Least depth in a region: of its square or, `overlap`, of squares of half the size or more that cover it exactly.
+template <class Levels>
+PENUMBRA_HD float least_depth(const Levels& levels, const SoftOptions& options, const Square& square, float x, float y,
+                              float width) {
+  if (!options.overlap) return levels.low(square);
+  int left, right, top, bottom;
+  snapped_range(x, width, levels.edge(), options.snapping.inclusive, left, right);
+  snapped_range(y, width, levels.edge(), options.snapping.inclusive, top, bottom);
+  const int shorter = right - left < bottom - top ? right - left : bottom - top;
+  const int fitting = int(std::bit_width(unsigned(shorter + 1))) - 1;
+  const int level = fitting < levels.largest() ? fitting : levels.largest(), edge = 1 << level;
+  float low = levels.low({left, top, level});
+  for (int t = top;;) {
+    for (int l = left;;) {
+      const float depth = levels.low({l, t, level});
+      low = depth < low ? depth : low;
+      if (l + edge > right) break;
+      l = l + edge < right + 1 - edge ? l + edge : right + 1 - edge;
+    }
+    if (t + edge > bottom) break;
+    t = t + edge < bottom + 1 - edge ? t + edge : bottom + 1 - edge;
+  }
+  return low;
+}
+
+/// Step 1.
+template <class Levels>
+PENUMBRA_HD Region search_region(const LightView& view, const Levels& levels, const SoftOptions& options, float x,
+                                 float y, float d) {
+  const int n = view.resolution;
+  if (!(d > view.near)) return {};
+  float width = view.region(view.near, d);
+  if (misses_map(x, y, width, n)) return {};
+  if (options.refine) {
+    for (int i = 0; i < most_refinements; ++i) {
+      const Square square = snap(x, y, width, n, levels.largest(), options.snapping);
+      if (square.level < 0) return {};
+      const float low = least_depth(levels, options, square, x, y, width);
+      if (!(low < d)) return {};
+      const float before = width, refined = view.region(low, d);
+      width = refined < before ? refined : before;
+      if (before - width < 1.0f) break;
+    }
+  }
+  if (!options.multi_scale) return {false, width, {}};
+  const Square square = snap(x, y, width, n, levels.largest(), options.snapping);
+  return {square.level < 0, width, square};
+}
+
+/// Step 3, for a mean blocker depth; 0: there is none. A shared blocker may lie behind the receiver, and then is none.
+PENUMBRA_HD inline Region filter_region(const LightView& view, int largest, const SoftOptions& options, float x,
+                                        float y, float d, float blocker) {
+  if (!(blocker > 0.0f) || !(blocker < d)) return {};
+  const float width = view.region(blocker, d, options.filter_scale);
+  if (!options.multi_scale) return {false, width, {}};
+  const Square square = snap(x, y, width, view.resolution, largest, options.snapping);
+  return {square.level < 0, width, square};
+}
+
 /// The largest square that stands for any region of a map, for widths up to `width` texels.
 int needed_level(float width, int edge);
 
@@ -46,6 +112,7 @@ class SoftShadow : public AreaShadow {
 
  protected:
   void map_changed() override;
+  int largest_needed() const;  ///< level
   void find_visibility(Tile& tile) final;
   void finish(std::vector<float>& visibility) override;
   int tile_multiple() const override;
@@ -64,8 +131,6 @@ class SoftShadow : public AreaShadow {
   std::vector<float> kernel_;  ///< of the blur
 
  private:
-  void search_region(Tile& tile, int k) const;
-  float least_depth(const Square& square, float x, float y, float width) const;
   void find_blockers(Tile& tile) const;  ///< representatives' regions -> blocker
   void filter(Tile& tile) const;         ///< representatives' regions -> visibility
 

@@ -15,23 +15,29 @@ namespace penumbra::pcss {
 /// Texels that block, and the sum of their depths.
 struct Blockers {
   float count = 0.0f, depth_sum = 0.0f;
-  float mean() const { return count > 0.0f ? depth_sum / count : 0.0f; }  ///< 0: there is none
-  void add(float texels, float depth) { count += texels, depth_sum += texels * depth; }
+  PENUMBRA_HD float mean() const { return count > 0.0f ? depth_sum / count : 0.0f; }  ///< 0: there is none
+  PENUMBRA_HD void add(float texels, float depth) { count += texels, depth_sum += texels * depth; }
 };
 
-/// Texels outside the map are empty.
-inline Blockers blockers_of_texels(const ShadowMap& map, const Texels& t, float d) {
+/// Texels outside the map are empty. `Row` sums the depths of a row: a region may have a million texels.
+template <class Row = double, class Map>
+PENUMBRA_HD Blockers blockers_of_texels(const Map& map, const Texels& t, float d) {
   const int n = map.resolution();
+  const int left = t.left > 0 ? t.left : 0, right = t.right < n ? t.right : n;
+  const int top = t.top > 0 ? t.top : 0, bottom = t.bottom < n ? t.bottom : n;
   int count = 0;
-  double depth_sum = 0.0;  // a region may have a million texels
-  for (int y = std::max(t.top, 0); y < std::min(t.bottom, n); ++y)
-    for (int x = std::max(t.left, 0); x < std::min(t.right, n); ++x)
-      if (const float z = map.at(x, y); z < d) ++count, depth_sum += double(z);
+  double depth_sum = 0.0;
+  for (int y = top; y < bottom; ++y) {
+    Row row = 0;
+    for (int x = left; x < right; ++x)
+      if (const float z = map.at(x, y); z < d) ++count, row += Row(z);
+    depth_sum += double(row);
+  }
   return {float(count), float(depth_sum)};
 }
 
 /// Leaf rule of Shen et al. 2014.
-inline Blockers nearest_leaf(const Square& leaf, const DepthRange& range) {
+PENUMBRA_HD inline Blockers nearest_leaf(const Square& leaf, const DepthRange& range) {
   const auto texels = float(leaf.edge() * leaf.edge());
   return {texels, texels * range.low};
 }
@@ -43,10 +49,12 @@ class LeafSamples {
   LeafSamples() = default;
   LeafSamples(const SampleImage& image, const ShadowMap& map);
   /// 16 offsets of a leaf of 2^level texels; SampleImage::count() of them count.
-  const std::int32_t* of(int level, int variant) const {
-    return &offset_[std::size_t(level * SampleImage::variants + variant) * 16];
+  PENUMBRA_HD static std::size_t first(int level, int variant) {
+    return std::size_t(level * SampleImage::variants + variant) * 16;
   }
+  const std::int32_t* of(int level, int variant) const { return &offset_[first(level, variant)]; }
   int stride() const { return stride_; }  ///< of the maps that they are for
+  const std::vector<std::int32_t>& offsets() const { return offset_; }
 
  private:
   int stride_ = 0;
@@ -54,16 +62,22 @@ class LeafSamples {
 };
 
 /// Leaf rule of Zhu et al. 2019, equations 5 and 6: the share of samples that block, times the leaf's texels.
-inline Blockers sampled_leaf(const ShadowMap& map, const LeafSamples& samples, const Square& leaf, float d) {
+/// `depth` are the map's texels and `offsets` those of LeafSamples.
+template <class Map, class Depths, class Offsets>
+PENUMBRA_HD Blockers sampled_leaf(const Map& map, const Depths& depth, const Offsets& offsets, const Square& leaf,
+                                  float d) {
   const int edge = leaf.edge(), count = SampleImage::count(edge);
   // (x + y) mod 8 of the leaf's centre.
-  const std::int32_t* offset = samples.of(leaf.level, (leaf.left + leaf.top + edge) % SampleImage::variants);
-  const float* corner = &map.depth[map.index(leaf.left, leaf.top)];
+  const std::size_t first = LeafSamples::first(leaf.level, (leaf.left + leaf.top + edge) % SampleImage::variants);
+  const std::size_t corner = map.index(leaf.left, leaf.top);
   Blockers found;
   for (int k = 0; k < count; ++k)
-    if (const float z = corner[offset[k]]; z < d) found.add(1.0f, z);
+    if (const float z = depth[corner + std::size_t(offsets[first + std::size_t(k)])]; z < d) found.add(1.0f, z);
   const float scale = float(edge * edge) / float(count);
   return {scale * found.count, scale * found.depth_sum};
+}
+inline Blockers sampled_leaf(const ShadowMap& map, const LeafSamples& samples, const Square& leaf, float d) {
+  return sampled_leaf(map, map.depth, samples.offsets(), leaf, d);
 }
 
 /// `leaf(square, range)` gives the blockers of an undecided leaf. Without `depths` only texels are counted.
