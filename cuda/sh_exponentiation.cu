@@ -253,7 +253,7 @@ class ShExponentiationOnDevice final : public OnDevice<sh_exponentiation::ShExpo
 
  protected:
   void upload(const Changes& changed) override {
-    if (rows_.size() == 0) {
+    if (counts_on_device_.size() == 0) {
       rows_.upload(stream_, job_.table->rows());
       fit_a_.upload(stream_, job_.fit->a), fit_b_.upload(stream_, job_.fit->b);
       counts_on_device_.upload(stream_, std::vector<unsigned>(2, 0u));

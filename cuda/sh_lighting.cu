@@ -38,6 +38,10 @@ __global__ void __launch_bounds__(project_threads)
   const unsigned words = unsigned(set.directions.size + 31) / 32, warp = threadIdx.x / warp_lanes,
                  lane = threadIdx.x % warp_lanes;
   const vec3 normal = receivers.normal[i];
+  if (normal == vec3(0.0f)) {
+    if (threadIdx.x < unsigned(size)) transfer[threadIdx.x * count + i] = 0.0f;
+    return;
+  }
   float sum[size] = {};
   for (unsigned w = warp; w < words; w += project_warps) {
     const std::uint32_t bits = blocked.size > 0 ? blocked[blockIdx.x * std::size_t(words) + w] : 0u;
@@ -64,7 +68,7 @@ __global__ void __launch_bounds__(project_threads)
   PENUMBRA_UNROLL
   for (int c = 0; c < size; ++c)  // an index that the compiler knows keeps y in registers
     if (c == k) own = lobe.band[sh::band(c)] * y[c];
-  transfer[unsigned(k) * count + i] = normal == vec3(0.0f) ? 0.0f : own + scale * all;
+  transfer[unsigned(k) * count + i] = own + scale * all;
 }
 
 struct LightRows {
@@ -97,7 +101,7 @@ class ShLightingOnDevice final : public OnDevice<sh_lighting::ShLighting> {
   }
 
   void upload(const Changes& changed) override {
-    if (directions_.size() == 0) {
+    if (basis_.size() == 0) {
       directions_.upload(stream_, set_->directions);
       basis_.upload(stream_, set_->basis);
     }

@@ -139,7 +139,7 @@ class DeviceVisibility {
   void upload(const Stream& stream, const VisibilitySource& source, const Changes& changed) {
     const BlockedJob job = source.job();
     spans_.n = source.resolution();
-    if (lines_.size() == 0) upload_tables(stream, source, job);
+    if (!complete_) upload_tables(stream, source, job);
     if (changed.spheres) spheres_.upload(stream, source.spheres().spheres);
     spans_.spheres = spheres_.span();
   }
@@ -163,8 +163,10 @@ class DeviceVisibility {
     }
     spans_.lines = lines_.span(), spans_.directions = directions_.span();
     spans_.table = table_.span(), spans_.touched = touched_.span();
+    complete_ = true;
   }
 
+  bool complete_ = false;  ///< the tables are there
   VisibilitySpans spans_;
   Buffer<Sphere> spheres_;
   Buffer<vec3> directions_;

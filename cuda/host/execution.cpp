@@ -58,6 +58,7 @@ class Block {
   unsigned warp_epoch() const { return warps_[current_ / warp_size].epoch; }
   const char* kernel() const { return kernel_; }
   std::size_t barriers() const { return barriers_; }
+  std::uint64_t number() const { return number_; }
 
   SharedBase& shared(const void* key, const std::function<std::unique_ptr<SharedBase>()>& make) {
     auto& array = shared_[key];
@@ -67,7 +68,9 @@ class Block {
 
  private:
   std::size_t free_worker();
-  void resume(unsigned thread, const Body& body);
+  void live(Worker& worker);
+  void take(std::size_t worker, unsigned thread);
+  void resume(std::size_t worker);
   bool release_warps();
   bool release_block();
   [[noreturn]] void stuck() const;
@@ -81,50 +84,65 @@ class Block {
   std::vector<std::size_t> free_;
   boost::context::fiber back_;  ///< to whoever resumed the running fiber
   unsigned current_ = 0, epoch_ = 0;
-  std::size_t barriers_ = 0;
+  std::size_t barriers_ = 0, done_ = 0;
+  std::uint64_t number_ = 0;  ///< of this block among all that ran
+  const std::vector<unsigned>* order_ = nullptr;
+  std::size_t started_ = 0;  ///< threads of order_ that have begun
   std::exception_ptr failure_;
   std::map<const void*, std::unique_ptr<SharedBase>> shared_;
 };
 
-/// A worker's life: runs the thread it is given, says that it is done, and waits for the next.
+/// A worker's life: runs the thread it is given, then all that have not begun, until it is told to stop.
+void Block::live(Worker& worker) {
+  for (;;) {
+    try {
+      (*body_)();
+    } catch (const boost::context::detail::forced_unwind&) {
+      throw;
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
+    threads_[worker.thread].state = Thread::State::done;
+    ++done_;
+    if (!failure_ && started_ < order_->size()) take(threads_[worker.thread].worker, (*order_)[started_++]);
+    else back_ = std::move(back_).resume();
+  }
+}
+
 std::size_t Block::free_worker() {
   if (free_.empty()) {
-    const std::size_t index = workers_.size();
+    free_.push_back(workers_.size());
     workers_.push_back(std::make_unique<Worker>());
     Worker* worker = workers_.back().get();
     const auto life = [this, worker](boost::context::fiber&& caller) {
       back_ = std::move(caller);
-      for (;;) {
-        const unsigned thread = worker->thread;
-        try {
-          (*body_)();
-        } catch (const boost::context::detail::forced_unwind&) {
-          throw;
-        } catch (...) {
-          failure_ = std::current_exception();
-        }
-        threads_[thread].state = Thread::State::done;
-        back_ = std::move(back_).resume();
-      }
+      live(*worker);
       return std::move(back_);
     };
     worker->fiber =
         boost::context::fiber(std::allocator_arg, boost::context::fixedsize_stack(std::size_t(1) << 16), life);
-    free_.push_back(index);
   }
   const std::size_t index = free_.back();
   free_.pop_back();
   return index;
 }
 
-void Block::resume(unsigned thread, const Body& body) {
-  body_ = &body;
+/// The thread is the worker's from now on, and the one that runs.
+void Block::take(std::size_t worker, unsigned thread) {
+  threads_[thread].worker = worker;
+  workers_[worker]->thread = thread;
   current_ = thread;
   thread_index = {thread, 0, 0};
-  Worker& worker = *workers_[threads_[thread].worker];
-  worker.thread = thread;
-  worker.fiber = std::move(worker.fiber).resume();
-  if (threads_[thread].state == Thread::State::done) free_.push_back(threads_[thread].worker);
+}
+
+/// Runs the worker until a thread of it waits, or it has nothing left to run.
+void Block::resume(std::size_t worker) {
+  Worker& w = *workers_[worker];
+  w.fiber = std::move(w.fiber).resume();
+  if (threads_[w.thread].state == Thread::State::done) free_.push_back(worker);
+  if (!failure_) return;
+  workers_.clear(), free_.clear();  // unwinds what still waits
+  std::rethrow_exception(failure_);
 }
 
 /// Lanes whose operation all lanes of its mask have reached go on.
@@ -182,31 +200,26 @@ void Block::stuck() const {
 }
 
 void Block::run(const char* kernel, unsigned threads, const Body& body, const std::vector<unsigned>& order) {
-  kernel_ = kernel;
+  kernel_ = kernel, body_ = &body, order_ = &order;
   threads_.assign(threads, {});
   warps_.assign((threads + warp_size - 1) / warp_size, {});
-  epoch_ = 0, barriers_ = 0;
+  epoch_ = 0, barriers_ = 0, done_ = 0, started_ = 0;
+  ++number_;
   failure_ = nullptr;
-  for (auto& [key, array] : shared_) array->forget();
-  bool started = false;
-  for (std::size_t left = threads; left > 0;) {
+  while (started_ < threads) {
+    const std::size_t worker = free_worker();
+    take(worker, order[started_++]);
+    resume(worker);
+  }
+  while (done_ < threads) {
+    if (!release_warps() && !release_block()) {
+      workers_.clear(), free_.clear();
+      stuck();
+    }
     for (const unsigned t : order) {
       if (threads_[t].state != Thread::State::ready) continue;
-      if (!started) threads_[t].worker = free_worker();
-      resume(t, body);
-      left -= threads_[t].state == Thread::State::done;
-      if (!failure_) continue;
-      workers_.clear(), free_.clear();  // unwinds what still waits
-      std::rethrow_exception(failure_);
-    }
-    started = true;
-    if (left > 0 && !release_warps() && !release_block()) {
-      try {
-        stuck();
-      } catch (...) {
-        workers_.clear(), free_.clear();
-        throw;
-      }
+      take(threads_[t].worker, t);
+      resume(threads_[t].worker);
     }
   }
 }
@@ -306,8 +319,9 @@ SharedBase& shared_memory(const void* key, const std::function<std::unique_ptr<S
   return block->shared(key, make);
 }
 
-void Shadow::forget() {
-  std::fill(marks_.begin(), marks_.end(), Mark{});
+Shadow::Mark& Shadow::mark(std::size_t i) {
+  if (marks_[i].block != block->number()) marks_[i] = {block->number(), {}, {}, false};
+  return marks_[i];
 }
 
 /// Does a barrier of the block or of the warp lie between then and now?
@@ -318,30 +332,29 @@ bool Shadow::ordered(const Touch& before) {
 }
 
 void Shadow::check_read(std::size_t i, std::source_location where) {
-  Mark& mark = marks_[i];
+  Mark& own = mark(i);
   const int me = int(block->current());
-  if (mark.write.thread < 0) fail(fmt::format("reads shared element {}, which nobody has written", i), where);
-  if (mark.write.thread != me && !ordered(mark.write))
-    fail(fmt::format("reads shared element {}, which thread {} wrote, without a barrier between", i, mark.write.thread),
+  if (own.write.thread < 0) fail(fmt::format("reads shared element {}, which nobody has written", i), where);
+  if (own.write.thread != me && !ordered(own.write))
+    fail(fmt::format("reads shared element {}, which thread {} wrote, without a barrier between", i, own.write.thread),
          where);
-  const bool besides = !ordered(mark.read);  // reads that the same write would have to wait for
+  const bool besides = !ordered(own.read);  // reads that the same write would have to wait for
   const bool other_warp =
-      besides && (mark.read.several_warps || unsigned(mark.read.thread) / warp_size != block->current() / warp_size);
-  mark.several_readers = besides && (mark.several_readers || mark.read.thread != me);
-  mark.read = {me, block->epoch(), block->warp_epoch(), other_warp};
+      besides && (own.read.several_warps || unsigned(own.read.thread) / warp_size != block->current() / warp_size);
+  own.several_readers = besides && (own.several_readers || own.read.thread != me);
+  own.read = {me, block->epoch(), block->warp_epoch(), other_warp};
 }
 
 void Shadow::check_write(std::size_t i, std::source_location where) {
-  Mark& mark = marks_[i];
+  Mark& own = mark(i);
   const int me = int(block->current());
-  if (mark.write.thread != me && !ordered(mark.write))
-    fail(
-        fmt::format("writes shared element {}, which thread {} wrote, without a barrier between", i, mark.write.thread),
-        where);
-  if ((mark.several_readers || mark.read.thread != me) && !ordered(mark.read))
-    fail(fmt::format("writes shared element {}, which thread {} read, without a barrier between", i, mark.read.thread),
+  if (own.write.thread != me && !ordered(own.write))
+    fail(fmt::format("writes shared element {}, which thread {} wrote, without a barrier between", i, own.write.thread),
          where);
-  mark.write = {me, block->epoch(), block->warp_epoch(), false};
+  if ((own.several_readers || own.read.thread != me) && !ordered(own.read))
+    fail(fmt::format("writes shared element {}, which thread {} read, without a barrier between", i, own.read.thread),
+         where);
+  own.write = {me, block->epoch(), block->warp_epoch(), false};
 }
 
 }  // namespace penumbra::cuda_on_host

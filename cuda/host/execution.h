@@ -73,7 +73,6 @@ class Shadow {
   explicit Shadow(std::size_t elements) : marks_(elements) {}
   void check_read(std::size_t i, std::source_location where);
   void check_write(std::size_t i, std::source_location where);
-  void forget();
 
  private:
   struct Touch {
@@ -82,16 +81,17 @@ class Shadow {
     bool several_warps = false;
   };
   struct Mark {
+    std::uint64_t block = 0;  ///< that the rest is about; another's is forgotten
     Touch write, read;
     bool several_readers = false;
   };
+  Mark& mark(std::size_t i);
   static bool ordered(const Touch& before);
   std::vector<Mark> marks_;
 };
 
 struct SharedBase {
   virtual ~SharedBase() = default;
-  virtual void forget() = 0;
 };
 /// The running block's array for a declaration (`key`); made by `make` when it is first met.
 SharedBase& shared_memory(const void* key, const std::function<std::unique_ptr<SharedBase>()>& make);

@@ -57,7 +57,6 @@ template <class T>
 class SharedArray final : public SharedBase {
  public:
   explicit SharedArray(std::size_t count) : values_(new T[count]), count_(count), shadow_(count) {}
-  void forget() override { shadow_.forget(); }
   T read(std::size_t i, Where where) {
     check(i, where);
     shadow_.check_read(i, where);

@@ -39,7 +39,8 @@ std::vector<Parameters> parameter_sets(const Entry& entry) {
     else if (p.name == "resolution" && executed_on_host(entry)) sets[0].set(p.name, 16);
   for (const Parameter& p : entry.parameters)
     for (const ParameterValue& value : values_to_test(p)) {
-      if (value == sets[0].all().at(p.name)) continue;
+      const bool takes_longer = value == p.fallback && (p.unit == "rays" || p.name == "map");
+      if (takes_longer || value == sets[0].all().at(p.name)) continue;
       sets.push_back(sets[0]);
       sets.back().set(p.name, value);
     }
