@@ -1,0 +1,79 @@
+// What kernels are counted and timed on: every technique with kernels, its default parameters and each other choice
+// that runs other kernels, on one scene of 128 x 128 receivers under an environment and one view of 1024 x 1024 under a
+// lamp.
+#pragma once
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "scenes/scene_file.h"
+#include "scenes/unsupported.h"
+#include "techniques/registry.h"
+
+namespace penumbra {
+
+/// The middle of a scene's receivers, `edge` x `edge` at most: neighbours stay neighbours.
+inline Scene middle_of(const Scene& scene, int edge) {
+  const Receivers& all = scene.receivers;
+  Scene out = scene;
+  Receivers& r = out.receivers = {};
+  r.width = std::min(edge, all.width), r.height = std::min(edge, all.height);
+  const int left = (all.width - r.width) / 2, top = (all.height - r.height) / 2;
+  for (int y = top; y < top + r.height; ++y)
+    for (int x = left; x < left + r.width; ++x) {
+      const std::size_t i = std::size_t(y) * std::size_t(all.width) + std::size_t(x);
+      r.position.push_back(all.position[i]), r.normal.push_back(all.normal[i]);
+      r.albedo.push_back(all.albedo[i]), r.on_occluder.push_back(all.on_occluder[i]);
+    }
+  return out;
+}
+
+/// Calls f(entry, parameters, scene) for every workload.
+template <class F>
+void for_each_workload(const Registry& registry, int edge, const F& f) {
+  const Scene environment = middle_of(load_scene("torus-knot-sunset"), edge),
+              lamp = middle_of(load_scene("soft-random"), edge);
+  for (const Entry& entry : registry.entries()) {
+    if (entry.backend != "cuda") continue;
+    const Parameters usual = Parameters().resolve(entry.parameters, entry.title());
+    const Scene& scene = entry.lights.environment ? environment : lamp;
+    f(entry, usual, scene);
+    for (const Parameter& p : entry.parameters) {
+      std::vector<ParameterValue> others;
+      for (const char* name : {"visibility", "kernels", "level", "exponential", "search", "filter"})
+        if (p.name == name) others = p.allowed;
+      if (p.name == "order")
+        for (int order = int(p.low); order <= int(p.high); ++order) others.emplace_back(order);
+      for (const ParameterValue& value : others) {
+        if (value == p.fallback || value == ParameterValue("rays")) continue;
+        Parameters parameters = usual;
+        parameters.set(p.name, value);
+        f(entry, parameters, scene);
+      }
+    }
+  }
+}
+
+/// The kernel's name with its template arguments as values: launches name them as the source does.
+inline std::string readable_kernel(std::string name, const Parameters& parameters) {
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = name.find(from); at != std::string::npos; at = name.find(from))
+      name.replace(at, from.size(), to);
+  };
+  if (name.front() == '(') name = name.substr(1, name.size() - 2);
+  if (parameters.all().contains("order")) replace("<order", "<" + std::to_string(parameters.integer("order")));
+  if (parameters.all().contains("visibility")) replace("<from>", "<" + parameters.text("visibility") + ">");
+  replace("From::", ""), replace("Sum::", "");
+  return name;
+}
+
+/// How a row of a report begins.
+inline nlohmann::json report_row(const Entry& entry, const Parameters& parameters, const Scene& scene) {
+  return {{"technique", entry.name},
+          {"parameters", parameters.describe()},
+          {"scene", scene.name},
+          {"spheres", scene.spheres.size()},
+          {"receivers", scene.receivers.size()}};
+}
+
+}  // namespace penumbra
