@@ -12,6 +12,22 @@ namespace {
 
 using namespace penumbra;
 
+/// The device's peaks, from what it says of itself: GB/s of memory, TFLOP/s of single precision with a multiply-add as
+/// two operations.
+nlohmann::json peaks() {
+  const auto attribute = [](cudaDeviceAttr which) {
+    int value = 0;
+    cuda::check(cudaDeviceGetAttribute(&value, which, 0), "cudaDeviceGetAttribute");
+    return double(value);
+  };
+  const double major = attribute(cudaDevAttrComputeCapabilityMajor),
+               minor = attribute(cudaDevAttrComputeCapabilityMinor);
+  const double lanes = major == 7 || (major == 8 && minor == 0) ? 64 : 128;  // of a multiprocessor
+  const double multiprocessors = attribute(cudaDevAttrMultiProcessorCount);
+  return {{"gbs", 2e-6 * attribute(cudaDevAttrMemoryClockRate) * attribute(cudaDevAttrGlobalMemoryBusWidth) / 8},
+          {"tflops", 2e-9 * multiprocessors * lanes * attribute(cudaDevAttrClockRate)}};
+}
+
 /// Medians over frames of the sum of a kernel's launches, ms.
 std::map<std::string, std::vector<double>> time_kernels(Technique& technique, const Scene& scene, int repetitions) {
   std::vector<vec3> image(std::size_t(scene.receivers.size()));
@@ -52,6 +68,6 @@ int main(int argc, char** argv) {
       rows.push_back(row);
     }
   });
-  const nlohmann::json out = {{"context", cuda_context()}, {"kernels", rows}};
+  const nlohmann::json out = {{"context", cuda_context()}, {"peaks", peaks()}, {"kernels", rows}};
   std::ofstream(argv[1]) << out.dump(1) << "\n";
 }

@@ -121,6 +121,12 @@ PublishedTime read_published_time(TomlReader& at) {
   return line;
 }
 
+/// Scalar code runs on one thread; beside a device, the host's threads only help to prepare.
+std::vector<int> counts_for(const std::string& backend, const std::vector<int>& threads) {
+  if (backend == "scalar") return {1};
+  return backend == "cuda" ? std::vector<int>{threads.back()} : threads;
+}
+
 void add_variants(TomlReader& at, const Registry& registry, const std::vector<int>& threads, Suite& suite) {
   const std::string name = at.required("name", at.text("name"), "a technique's name");
   std::vector<std::string> backends = texts_of(at, "backend");
@@ -132,7 +138,7 @@ void add_variants(TomlReader& at, const Registry& registry, const std::vector<in
       for (const Parameters& given : combinations(table ? &*table : nullptr)) {
         Variant variant{&registry.find(name, backend), {}, 1};
         variant.parameters = given.resolve(variant.entry->parameters, variant.entry->title());
-        for (const int count : backend == "scalar" ? std::vector<int>{1} : own.empty() ? threads : own) {
+        for (const int count : counts_for(backend, own.empty() ? threads : own)) {
           variant.threads = count;
           suite.variants.push_back(variant);
         }

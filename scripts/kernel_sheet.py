@@ -67,6 +67,10 @@ def kernel_name(signature):
     return name.replace("(int)", "").replace("(bool)0", "false").replace("(bool)1", "true")
 
 
+# Kernels that run once a map, not once a receiver: counted by texel.
+PER_TEXEL = {"copy_map": 1024**2, "build_level": 1024**2}
+
+
 def occupancy(architecture, registers, shared, block_size):
     threads, blocks, memory, reserved = LIMITS[architecture]
     warps = block_size // 32
@@ -88,7 +92,7 @@ def per_receiver(counts):
     for row in counts:
         if row["kernel"] in rows:
             continue
-        n = row["receivers"]
+        n = PER_TEXEL.get(row["kernel"], row["receivers"])
         rows[row["kernel"]] = {**row, "operations": row["operations"] / n, "bytes": row["bytes"] / n,
                                "unique_bytes": row["unique_bytes"] / n}
     return rows
@@ -111,9 +115,10 @@ def sheet(counts, resources, devices, times):
             r[f"bound {device}, us"] = round(bound_us(row, peak), 3)
         if times:
             measured = [t for t in times["kernels"] if t["kernel"] == name][0]
-            r["measured, us"] = round(1e3 * measured["ms"] * 2**14 / measured["receivers"], 2)
-            best = max(devices.values())
-            r["share of peak"] = round(bound_us(row, best) / r["measured, us"], 3)
+            elements = PER_TEXEL.get(name, measured["receivers"])
+            peaks = times["peaks"]
+            r["measured, us"] = round(1e3 * measured["ms"] * 2**14 / elements, 2)
+            r["share of peak"] = round(bound_us(row, (peaks["gbs"], peaks["tflops"])) / r["measured, us"], 3)
         rows.append(r)
     return rows
 
@@ -125,7 +130,8 @@ def markdown(rows, devices, times):
              "resolution 32; soft-random, map 1024. *unique* bytes are those of different sectors of 32 bytes in a "
              "launch. Floating-point operations only: index arithmetic, comparisons of integers and table look-ups are "
              "not among them.", "",
-             "Times are for 16384 receivers (128 x 128). **The columns of devices are a bound, not a measurement**: the "
+             "Operations and bytes are per receiver; those of `copy_map` and `build_level` per texel of the map (1024 x "
+             "1024), all levels together. Times are for 16384 receivers (128 x 128) or texels. **The columns of devices are a bound, not a measurement**: the "
              "longer of unique bytes at the peak of the device's memory and operations at the peak of its arithmetic "
              "without fused ones. Real kernels are slower; where a cache of the device keeps what one kernel hands "
              "to the next, the memory part does not hold. The kernels need sm_75; the 8800 GTX stands for the papers' "
