@@ -4,6 +4,10 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 mapfile -t sources < <(git ls-files '*.h' '*.cpp' '*.cu')
 clang-format-14 --dry-run --Werror "${sources[@]}"
+if git grep -nE '__CUDACC__|__CUDA_ARCH__' -- scenes techniques harness tests; then
+  echo "lint: only cuda/ may know whether CUDA is there" >&2
+  exit 1
+fi
 for script in scripts/*.sh .ci/run; do bash -n "$script"; done
 python3 -m py_compile scripts/*.py
 [ -e build/release/compile_commands.json ] || cmake --preset release >/dev/null

@@ -16,15 +16,15 @@ namespace {
 
 constexpr unsigned warp_size = 32;
 
-std::string place(std::source_location where) {
-  std::string file = where.file_name();
-  return fmt::format("{}:{}", file.substr(file.rfind('/') + 1), where.line());
+std::string place(Where where) {
+  std::string file = where.file;
+  return fmt::format("{}:{}", file.substr(file.rfind('/') + 1), where.line);
 }
 
 /// One thread of the running block.
 struct Thread {
   enum class State { ready, at_barrier, at_warp, done } state = State::ready;
-  std::source_location where;
+  Where where{"", 0};
   const char* what = "";
   unsigned mask = 0;
   std::uint64_t bits = 0;
@@ -47,7 +47,7 @@ class Block {
  public:
   void run(const char* kernel, unsigned threads, const Body& body, const std::vector<unsigned>& order);
 
-  void wait(Thread::State state, unsigned mask, std::uint64_t bits, const char* what, std::source_location where) {
+  void wait(Thread::State state, unsigned mask, std::uint64_t bits, const char* what, Where where) {
     Thread& t = threads_[current_];
     t.state = state, t.mask = mask, t.bits = bits, t.what = what, t.where = where;
     back_ = std::move(back_).resume();
@@ -157,7 +157,7 @@ bool Block::release_warps() {
         if (other >= lanes) return false;
         const Thread& o = threads_[first + other];
         return o.state == Thread::State::at_warp && o.mask == t.mask && o.what == t.what &&
-               o.where.line() == t.where.line() && o.where.file_name() == t.where.file_name();
+               o.where.line == t.where.line && o.where.file == t.where.file;
       };
       bool all = true;
       for (unsigned other = 0; other < warp_size; ++other)
@@ -179,7 +179,7 @@ bool Block::release_warps() {
 
 bool Block::release_block() {
   for (const Thread& t : threads_)
-    if (t.state != Thread::State::at_barrier || t.where.line() != threads_[0].where.line()) return false;
+    if (t.state != Thread::State::at_barrier || t.where.line != threads_[0].where.line) return false;
   for (Thread& t : threads_) t.state = Thread::State::ready;
   ++epoch_, ++barriers_;
   return true;
@@ -194,7 +194,7 @@ std::string Block::describe(unsigned thread) const {
 void Block::stuck() const {
   unsigned other = 0;
   for (unsigned k = 1; k < threads_.size() && other == 0; ++k)
-    if (threads_[k].state != threads_[0].state || threads_[k].where.line() != threads_[0].where.line()) other = k;
+    if (threads_[k].state != threads_[0].state || threads_[k].where.line != threads_[0].where.line) other = k;
   throw KernelError(fmt::format("{}, block {}: divergent: {}, but {}", kernel_, block_index.x, describe(0),
                                 other ? describe(other) : std::string("lanes of its mask are missing")));
 }
@@ -281,22 +281,22 @@ void run_grid(const char* kernel, unsigned blocks, unsigned threads, const Body&
   if (counting) current_counts->unique_bytes += 32 * sectors.size();
 }
 
-void wait_for_block(std::source_location where) {
+void wait_for_block(Where where) {
   block->wait(Thread::State::at_barrier, 0, 0, "__syncthreads", where);
 }
 
-const std::uint64_t* exchange(unsigned mask, std::uint64_t bits, const char* what, std::source_location where) {
+const std::uint64_t* exchange(unsigned mask, std::uint64_t bits, const char* what, Where where) {
   if (!(mask >> (thread_index.x % warp_size) & 1u))
     fail(fmt::format("{}: the mask leaves its caller out", what), where);
   block->wait(Thread::State::at_warp, mask, bits, what, where);
   return block->answer();
 }
 
-void wait_for_warp(unsigned mask, std::source_location where) {
+void wait_for_warp(unsigned mask, Where where) {
   exchange(mask, 0, "__syncwarp", where);
 }
 
-void fail(const std::string& message, std::source_location where) {
+void fail(const std::string& message, Where where) {
   throw KernelError(fmt::format("{}, block {}, thread {}: {} ({})", block->kernel(), block_index.x, thread_index.x,
                                 message, place(where)));
 }
@@ -331,7 +331,7 @@ bool Shadow::ordered(const Touch& before) {
   return before.warp_epoch != block->warp_epoch();
 }
 
-void Shadow::check_read(std::size_t i, std::source_location where) {
+void Shadow::check_read(std::size_t i, Where where) {
   Mark& own = mark(i);
   const int me = int(block->current());
   if (own.write.thread < 0) fail(fmt::format("reads shared element {}, which nobody has written", i), where);
@@ -345,7 +345,7 @@ void Shadow::check_read(std::size_t i, std::source_location where) {
   own.read = {me, block->epoch(), block->warp_epoch(), other_warp};
 }
 
-void Shadow::check_write(std::size_t i, std::source_location where) {
+void Shadow::check_write(std::size_t i, Where where) {
   Mark& own = mark(i);
   const int me = int(block->current());
   if (own.write.thread != me && !ordered(own.write))

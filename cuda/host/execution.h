@@ -14,12 +14,18 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <source_location>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace penumbra::cuda_on_host {
+
+/// A place in the source. (std::source_location is not known to every compiler that reads this.)
+struct Where {
+  const char* file;
+  unsigned line;
+  static constexpr Where current(const char* f = __builtin_FILE(), unsigned l = __builtin_LINE()) { return {f, l}; }
+};
 
 class KernelError : public std::runtime_error {
  public:
@@ -53,14 +59,14 @@ struct Index {
 };
 extern constinit thread_local Index thread_index, block_index, block_size, grid_size;
 
-void wait_for_block(std::source_location where);
+void wait_for_block(Where where);
 /// Hands `bits` to the lanes of `mask` and waits for theirs; the answer holds those of all 32 lanes.
-const std::uint64_t* exchange(unsigned mask, std::uint64_t bits, const char* what, std::source_location where);
+const std::uint64_t* exchange(unsigned mask, std::uint64_t bits, const char* what, Where where);
 /// Lanes see each other's shared memory from here on.
-void wait_for_warp(unsigned mask, std::source_location where);
+void wait_for_warp(unsigned mask, Where where);
 
 /// Throws KernelError: "kernel, block b, thread t: message (file:line)".
-[[noreturn]] void fail(const std::string& message, std::source_location where);
+[[noreturn]] void fail(const std::string& message, Where where);
 
 void tally_operations(double count);
 void note_access(const void* address, std::size_t bytes);
@@ -71,8 +77,8 @@ void note_access(const void* address, std::size_t bytes);
 class Shadow {
  public:
   explicit Shadow(std::size_t elements) : marks_(elements) {}
-  void check_read(std::size_t i, std::source_location where);
-  void check_write(std::size_t i, std::source_location where);
+  void check_read(std::size_t i, Where where);
+  void check_write(std::size_t i, Where where);
 
  private:
   struct Touch {

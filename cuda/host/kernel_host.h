@@ -23,8 +23,6 @@
 
 namespace penumbra::cuda_on_host {
 
-using Where = std::source_location;
-
 #define threadIdx penumbra::cuda_on_host::thread_index
 #define blockIdx penumbra::cuda_on_host::block_index
 #define blockDim penumbra::cuda_on_host::block_size
