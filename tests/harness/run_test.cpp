@@ -1,6 +1,8 @@
 // A whole run with techniques that misbehave.
 #include "harness/run.h"
 
+#include "cuda/host/registry.h"
+#include "cuda/host/runtime_host.h"
 #include "harness/results.h"
 #include "scenes/error.h"
 #include "tests/support.h"
@@ -114,6 +116,26 @@ TEST_F(Runs, FailuresAreRowsAndTheRunGoesOn) {
   EXPECT_EQ(row("absent", "simd").status, "skipped: no device");
   EXPECT_TRUE(row("good").ok());
   EXPECT_NE(table_.find("out of ideas"), std::string::npos);
+}
+
+TEST_F(Runs, WithoutDeviceMemoryTheRowFailsAndTheCpuGoesOn) {
+  const Registry all = cuda_on_host::make_registry();
+  if (make_registry().find("sh-lighting", "cuda").unavailable.empty()) GTEST_SKIP() << "a device has its own limit";
+  for (const char* backend : {"scalar", "cuda"}) registry_.add(all.find("sh-lighting", backend));
+  const std::string suite = suite_text({{"sh-lighting", "cuda"}, {"sh-lighting", "scalar"}});
+  cuda_on_host::set_memory_limit(1000);
+  EXPECT_EQ(run(suite), 1);
+  cuda_on_host::set_memory_limit(~std::size_t(0));
+  EXPECT_TRUE(row("sh-lighting").ok());
+  EXPECT_NE(row("sh-lighting", "cuda").status.find("failed: out of device memory"), std::string::npos)
+      << row("sh-lighting", "cuda").status;
+
+  EXPECT_EQ(run(suite), 0);
+  const Row device = row("sh-lighting", "cuda");
+  EXPECT_TRUE(device.ok());
+  EXPECT_LT(device.parity, 1e-3);
+  ASSERT_EQ(device.stages.size(), 3u);
+  EXPECT_EQ(device.stages[1].name, "kernels");
 }
 
 TEST_F(Runs, ABaselineIsOneMoreReference) {
