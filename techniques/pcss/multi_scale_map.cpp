@@ -42,12 +42,19 @@ void MultiScaleMap::build_rows(int level, int begin, int end) {
   const int inner = edge_ - (1 << level) + 1;  // offsets whose squares lie on the map
   for (int y = begin; y < end; ++y) {
     const int whole = y < inner ? inner : 0;
-    if (whole > 0) {
-      const std::size_t top = index(0, y, below), bottom = index(0, y + step, below), out = index(0, y, level);
-      merge_row(&bounds_[2 * top], &bounds_[2 * bottom], 2 * step, 2 * whole, &bounds_[2 * out], detail::least);
-      merge_row(&mean_[top], &mean_[bottom], step, whole, &mean_[out], detail::average);
+    const std::size_t top = index(0, y, below), bottom = y + step < edge_ ? index(0, y + step, below) : top;
+    const std::size_t out = index(0, y, level);
+    merge_row(&bounds_[2 * top], &bounds_[2 * bottom], 2 * step, 2 * whole, &bounds_[2 * out], detail::least);
+    merge_row(&mean_[top], &mean_[bottom], step, whole, &mean_[out], detail::average);
+    // Only the full layout has more: squares that stick out.
+    const auto tall = float(detail::on_map(y, step, edge_)), flat = float(detail::on_map(y + step, step, edge_));
+    for (int x = whole; x < stride(level); ++x) {
+      const std::size_t right = x + step < edge_ ? std::size_t(step) : 0, column = std::size_t(x);
+      const auto wide = float(detail::on_map(x, step, edge_)), far = float(detail::on_map(x + step, step, edge_));
+      const std::size_t from[4] = {top + column, top + column + right, bottom + column, bottom + column + right};
+      const float texels[4] = {wide * tall, far * tall, wide * flat, far * flat};
+      merge_cut(out + column, from, texels);
     }
-    for (int x = whole; x < stride(level); ++x) merge(x, y, level);  // only the full layout has more
   }
 }
 

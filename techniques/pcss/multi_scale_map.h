@@ -52,6 +52,8 @@ class MultiScaleLevels {
   /// A square of a higher level, from the four of the level before. One that sticks out of the map (full layout) takes
   /// those that are on it; their means are weighted by texels.
   PENUMBRA_HD void merge(int x, int y, int level) const;
+  /// One that sticks out, from the numbers of the four squares and of their texels on the map.
+  PENUMBRA_HD void merge_cut(std::size_t out, const std::size_t from[4], const float texels[4]) const;
 
  protected:
   LevelLayout layout_ = LevelLayout::reduced;
@@ -79,24 +81,32 @@ PENUMBRA_HD inline int on_map(int start, int size, int edge) {
 }  // namespace detail
 
 template <class Floats>
+PENUMBRA_HD void MultiScaleLevels<Floats>::merge_cut(std::size_t out, const std::size_t from[4],
+                                                     const float texels[4]) const {
+  for (std::size_t k = 0; k < 2; ++k)
+    bounds_[2 * out + k] = detail::least(bounds_[2 * from[0] + k], bounds_[2 * from[1] + k], bounds_[2 * from[2] + k],
+                                         bounds_[2 * from[3] + k]);
+  const auto weighted = [&](int k) { return texels[k] > 0.0f ? texels[k] * mean_[from[k]] : 0.0f; };
+  mean_[out] =
+      (weighted(0) + weighted(1) + weighted(2) + weighted(3)) / ((texels[0] + texels[1]) + (texels[2] + texels[3]));
+}
+
+template <class Floats>
 PENUMBRA_HD void MultiScaleLevels<Floats>::merge(int x, int y, int level) const {
   const int below = level - 1, step = 1 << below;
-  const int right = x + step < edge_ ? x + step : x, down = y + step < edge_ ? y + step : y;
-  const std::size_t a = index(x, y, below), b = index(right, y, below), c = index(x, down, below),
-                    d = index(right, down, below), out = index(x, y, level);
+  const std::size_t right = x + step < edge_ ? std::size_t(step) : 0, a = index(x, y, below), b = a + right;
+  const std::size_t c = y + step < edge_ ? index(x, y + step, below) : a, d = c + right, out = index(x, y, level);
+  if (x + 2 * step > edge_ || y + 2 * step > edge_) {
+    const auto wide = float(detail::on_map(x, step, edge_)), far = float(detail::on_map(x + step, step, edge_));
+    const auto tall = float(detail::on_map(y, step, edge_)), flat = float(detail::on_map(y + step, step, edge_));
+    const std::size_t from[4] = {a, b, c, d};
+    const float texels[4] = {wide * tall, far * tall, wide * flat, far * flat};
+    return merge_cut(out, from, texels);
+  }
   for (std::size_t k = 0; k < 2; ++k)
     bounds_[2 * out + k] =
         detail::least(bounds_[2 * a + k], bounds_[2 * b + k], bounds_[2 * c + k], bounds_[2 * d + k]);
-  if (x + 2 * step <= edge_ && y + 2 * step <= edge_) {
-    mean_[out] = detail::average(mean_[a], mean_[b], mean_[c], mean_[d]);
-    return;
-  }
-  const auto wide = float(detail::on_map(x, step, edge_)), far = float(detail::on_map(x + step, step, edge_));
-  const auto tall = float(detail::on_map(y, step, edge_)), flat = float(detail::on_map(y + step, step, edge_));
-  const auto weighted = [](float value, float weight) { return weight > 0.0f ? weight * value : 0.0f; };
-  mean_[out] = (weighted(mean_[a], wide * tall) + weighted(mean_[b], far * tall) + weighted(mean_[c], wide * flat) +
-                weighted(mean_[d], far * flat)) /
-               ((wide + far) * (tall + flat));
+  mean_[out] = detail::average(mean_[a], mean_[b], mean_[c], mean_[d]);
 }
 
 /// The map that owns its numbers.
