@@ -45,13 +45,13 @@ std::map<std::string, std::string> describe_machine() {
   const std::string commit = output_of(git + "rev-parse HEAD");
   std::map<std::string, std::string> machine = cuda_context();
   machine.insert({{"cpu_name", cpu_name()},
-          {"instruction_sets", instruction_sets()},
-          {"compiler", PENUMBRA_COMPILER},
-          {"flags", PENUMBRA_FLAGS},
-          {"build_type", PENUMBRA_BUILD_TYPE},
-          {"commit", commit.empty() ? "unknown" : commit},
-          {"dirty", output_of(git + "status --porcelain").empty() ? "false" : "true"},
-          {"cuda", cuda_status()}});
+                  {"instruction_sets", instruction_sets()},
+                  {"compiler", PENUMBRA_COMPILER},
+                  {"flags", PENUMBRA_FLAGS},
+                  {"build_type", PENUMBRA_BUILD_TYPE},
+                  {"commit", commit.empty() ? "unknown" : commit},
+                  {"dirty", output_of(git + "status --porcelain").empty() ? "false" : "true"},
+                  {"cuda", cuda_status()}});
   return machine;
 }
 
