@@ -49,8 +49,13 @@ void for_each_workload(const Registry& registry, int edge, const F& f) {
         Parameters parameters = usual;
         parameters.set(p.name, value);
         f(entry, parameters, scene);
-        if (p.name == "order" && parameters.all().contains("exponential")) {  // kernels of their own for each order
+        // Kernels that two parameters choose together.
+        if (p.name == "order" && parameters.all().contains("exponential")) {
           parameters.set("exponential", std::string("exact"));
+          f(entry, parameters, scene);
+        }
+        if (p.name == "kernels") {
+          parameters.set("visibility", std::string("raster"));
           f(entry, parameters, scene);
         }
       }
