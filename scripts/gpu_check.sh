@@ -40,6 +40,7 @@ for suite in paper-table2 cuda pcss-tables; do
 done
 echo "== kernels"
 build/cuda/kernel_times "$out/kernel_times.json"
+cmake --build --preset release --target kernel_counts
 build/release/kernel_counts build/kernel_counts.json
 .venv/bin/python scripts/kernel_sheet.py --counts build/kernel_counts.json --times "$out/kernel_times.json" --out "$out"
 echo "commit $out"

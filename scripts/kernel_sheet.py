@@ -177,6 +177,7 @@ def main():
                         help="NAME:GB/S:TFLOP/S (single precision, multiply-add as two), besides the usual ones")
     args = parser.parse_args()
     if not args.counts.exists():
+        subprocess.run(["cmake", "--build", "--preset", "release", "--target", "kernel_counts"], cwd=ROOT, check=True)
         subprocess.run([ROOT / "build/release/kernel_counts", args.counts], check=True)
     counts = json.loads(args.counts.read_text())
     with ThreadPoolExecutor(2) as pool:
