@@ -1,34 +1,46 @@
 // Triangle meshes: the occluder.
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include "scenes/math.h"
+#include "scenes/import/import.h"
 
 namespace penumbra {
 
-struct Bounds {
-  vec3 low{0.0f}, high{0.0f};
-  vec3 centre() const { return 0.5f * (low + high); }
-  vec3 extent() const { return high - low; }
+template <class Vector>
+struct Box {
+  Vector low = Vector(0), high = Vector(0);
+  Vector centre() const { return (low + high) / typename Vector::value_type(2); }
+  Vector extent() const { return high - low; }
 };
+using Bounds = Box<vec3>;
 
-/// Positions in metres; triangles index them counter-clockwise seen from outside. Both may be empty.
+/// Positions in metres from `origin`; triangles index them counter-clockwise seen from outside. Both may be empty.
+/// Coordinates are narrowed to float about an origin that lies near what is looked at, so that neither a mesh far from
+/// zero nor a part far away costs precision here.
 struct Mesh {
   std::vector<vec3> positions;
   std::vector<uvec3> triangles;
+  std::vector<vec3> normals;  ///< unit shading normals, one per position, zero where none is given; empty: none at all
+  dvec3 origin{0.0};          ///< where (0, 0, 0) lies in the file's or the scene's coordinates
   bool empty() const { return triangles.empty(); }
 };
 
-/// Box around all positions; zero box for an empty mesh.
+/// Box around the positions that belong to triangles; zero box for an empty mesh.
 Bounds bounds(const Mesh& mesh);
+Box<dvec3> bounds(const ImportedMesh& mesh);
 
-/// Unit vertex normals, the area-weighted mean of the triangles around; zero where a vertex has none.
+/// Unit vertex normals: the mesh's own, otherwise the area-weighted mean of the triangles around; zero where a vertex
+/// has neither.
 std::vector<vec3> vertex_normals(const Mesh& mesh);
 
-/// Loads every mesh of an OBJ, PLY, 3DS or glTF file into one, node transforms applied, equal vertices joined.
-/// Throws Error if the file is missing, unreadable, without triangles, or holds a non-finite vertex.
+/// A place near `centre` to count coordinates from, for things of about `size`: on a lattice of powers of two, so that
+/// subtracting it is exact, and zero for what lies within a few sizes of zero.
+dvec3 local_origin(dvec3 centre, double size);
+
+/// The mesh in float, about an origin.
+Mesh narrowed(const ImportedMesh& mesh, dvec3 origin);
+ImportedMesh widened(const Mesh& mesh);
+
+/// A file's mesh (scenes/import/import.h) about an origin of its own. Throws Error.
 Mesh load_mesh(const std::string& path);
 
 /// Throws Error naming `what` if the mesh is empty, indexes past its vertices, or has a non-finite position.
@@ -36,12 +48,13 @@ void validate(const Mesh& mesh, const std::string& what);
 
 /// The similarity that `fit` of a scene file asks for: p -> scale * p + offset.
 struct Similarity {
-  float scale = 1.0f;
-  vec3 offset{0.0f};
-  vec3 operator()(vec3 p) const { return scale * p + offset; }
+  double scale = 1.0;
+  dvec3 offset{0.0};
+  dvec3 operator()(dvec3 p) const { return scale * p + offset; }
 };
 
-/// Scales to `height` (0 keeps the size), centres on x = z = 0 and, if asked, stands the mesh on y = 0.
-Similarity fit_to(const Bounds& box, float height, bool on_ground);
+/// Scales to `height` (0 keeps the size) and brings the middle to `at`: that of the box, or of its base if it is to
+/// stand `on_ground`. Without the ground, heights stay as they are.
+Similarity fit_to(const Box<dvec3>& box, double height, bool on_ground, dvec3 at = dvec3(0.0));
 
 }  // namespace penumbra

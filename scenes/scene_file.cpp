@@ -95,8 +95,8 @@ void read_occluder(TomlReader at, const SphereChoice& choice, Scene& scene) {
   if (auto fit = at.table("fit")) {
     if (scene.mesh.empty()) at.fail("fit", "needs a mesh");
     const double height = fit->number("height", tiny, huge).value_or(0.0);
-    const Similarity to_scene = fit_to(bounds(scene.mesh), float(height), fit->boolean("on_ground").value_or(false));
-    for (vec3& p : scene.mesh.positions) p = to_scene(p);
+    const Similarity to_scene = fit_to(bounds(widened(scene.mesh)), height, fit->boolean("on_ground").value_or(false));
+    for (vec3& p : scene.mesh.positions) p = vec3(to_scene(dvec3(p)));
     scene.spheres = transformed(std::move(scene.spheres), to_scene);
     fit->finish();
   }

@@ -22,7 +22,7 @@ Bounds bounds(const SphereSet& set) {
 }
 
 SphereSet transformed(SphereSet set, const Similarity& fit) {
-  for (Sphere& s : set.spheres) s = {fit(s.centre), fit.scale * s.radius};
+  for (Sphere& s : set.spheres) s = {vec3(fit(dvec3(s.centre))), float(fit.scale * double(s.radius))};
   return set;
 }
 

@@ -73,11 +73,11 @@ TEST(Shapes, UnknownNameIsNotAShape) {
 
 TEST(Mesh, FitScalesCentresAndGrounds) {
   const Mesh box = make_box({1, 1, 1}, {2, 3, 5});
-  const Similarity fit = fit_to(bounds(box), 1.0f, true);
-  EXPECT_EQ(fit.scale, 0.5f);
-  EXPECT_EQ(fit({1.5f, 1, 3}), vec3(0, 0, 0));
-  EXPECT_EQ(fit({1.5f, 3, 3}), vec3(0, 1, 0));
-  EXPECT_EQ(fit_to(bounds(box), 0.0f, false).scale, 1.0f);
+  const Similarity fit = fit_to(bounds(widened(box)), 1.0, true);
+  EXPECT_EQ(fit.scale, 0.5);
+  EXPECT_EQ(fit({1.5, 1, 3}), dvec3(0, 0, 0));
+  EXPECT_EQ(fit({1.5, 3, 3}), dvec3(0, 1, 0));
+  EXPECT_EQ(fit_to(bounds(widened(box)), 0.0, false).scale, 1.0);
 }
 
 TEST(Mesh, ObjAndPlyLoad) {
