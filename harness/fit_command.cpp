@@ -20,7 +20,7 @@ void fit(const FitOptions& options) {
                       [&](const std::string& stage, double share) { progress.share(stage, share); });
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  save_spheres(options.output, set);
+  save_spheres(options.output, set, mesh.origin);
   const std::string picture = std::filesystem::path(options.output).replace_extension(".png").string();
   save_png(picture, draw_fit(mesh, set, 480));
   const FitQuality quality = assess_fit(mesh, set, options.mesh);

@@ -19,6 +19,7 @@ Scene thinned(const Scene& scene, int edge) {
       r.position.push_back(all.position[i]);
       r.normal.push_back(all.normal[i]);
       r.albedo.push_back(all.albedo[i]);
+      if (!all.origin.empty()) r.origin.push_back(all.origin[i]);
       r.on_occluder.push_back(all.on_occluder[i]);
       if (!all.view_depth.empty()) r.view_depth.push_back(all.view_depth[i]);
     }

@@ -166,7 +166,7 @@ void compute_13x13(const Frame& frame, Reference& out) {
       samples.push_back(cell_sample(light, r, i, cell));
       open += dvec3(samples.back().weight);
     }
-    out.mean.pixels[i] = r.albedo[i] * estimate_radiance(rays, r.position[i], r.normal[i], samples);
+    out.mean.pixels[i] = r.albedo[i] * estimate_radiance(rays, r.ray_origin(i), samples);
     out.unshadowed.pixels[i] = r.albedo[i] * vec3(open / double(cells * cells));
   });
 }
@@ -180,7 +180,7 @@ void compute_texels(const Frame& frame, Rung rung, int n, Reference& out) {
     if (!r.valid(i)) return;
     BitCube blocked(n);
     out.unshadowed.pixels[i] = pixel_sum(light, blocked, r.normal[i], r.albedo[i]);
-    if (rung == Rung::cube) trace_texels(rays, r.position[i], r.normal[i], light.directions, true, blocked);
+    if (rung == Rung::cube) trace_texels(rays, r.ray_origin(i), r.normal[i], light.directions, true, blocked);
     else if (!r.on_occluder[i]) rasterise_spheres(frame.spheres, r.position[i], light.directions, blocked);
     out.mean.pixels[i] = pixel_sum(light, blocked, r.normal[i], r.albedo[i]);
   });
@@ -204,7 +204,7 @@ Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettin
 float visibility_13x13(const Frame& frame, int receiver) {
   const RayScene rays(frame.mesh);
   const Receivers& r = frame.receivers;
-  const vec3 origin = rays.lift(r.position[receiver], r.normal[receiver]);
+  const vec3 origin = r.ray_origin(receiver);
   int open = 0;
   for (int cell = 0; cell < cells * cells; ++cell) {
     const LightSample s = cell_sample(*area_light_of(frame.light), r, receiver, cell);

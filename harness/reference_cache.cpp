@@ -11,7 +11,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int format_version = 3;  // raise when a rung's algorithm changes: old files are then never looked at
+constexpr int format_version = 4;  // raise when a rung's algorithm changes: old files are then never looked at
 
 void add_light(ContentHash& hash, const Light& light) {
   if (const Environment* e = environment_of(light)) {
@@ -100,6 +100,7 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
   const Receivers& r = frame.receivers;
   hash.add_value(r.width);
   hash.add(r.position);
+  hash.add(r.origin);
   hash.add(r.normal);
   hash.add(r.albedo);
   hash.add(r.on_occluder);

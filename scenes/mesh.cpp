@@ -24,6 +24,12 @@ Mesh narrowed(const ImportedMesh& mesh, dvec3 origin) {
   return out;
 }
 
+Mesh narrowed(const ImportedMesh& mesh) {
+  const Box<dvec3> box = bounds(mesh);
+  const dvec3 extent = box.extent();
+  return narrowed(mesh, local_origin(box.centre(), std::max({extent.x, extent.y, extent.z})));
+}
+
 ImportedMesh widened(const Mesh& mesh) {
   ImportedMesh out{{}, mesh.triangles, mesh.normals};
   out.positions.reserve(mesh.positions.size());
@@ -32,12 +38,9 @@ ImportedMesh widened(const Mesh& mesh) {
 }
 
 Mesh load_mesh(const std::string& path) {
-  const ImportedMesh mesh = import_mesh(path);
-  const Box<dvec3> box = bounds(mesh);
-  const dvec3 extent = box.extent();
-  Mesh out = narrowed(mesh, local_origin(box.centre(), std::max({extent.x, extent.y, extent.z})));
-  validate(out, path);
-  return out;
+  Mesh mesh = narrowed(import_mesh(path));
+  validate(mesh, path);
+  return mesh;
 }
 
 namespace {
@@ -64,7 +67,7 @@ Box<dvec3> bounds(const ImportedMesh& mesh) {
   return box_of(mesh.positions, mesh.triangles);
 }
 
-std::vector<vec3> vertex_normals(const Mesh& mesh) {
+std::vector<vec3> geometric_normals(const Mesh& mesh) {
   std::vector<dvec3> sum(mesh.positions.size(), dvec3(0.0));
   for (const uvec3& t : mesh.triangles) {
     const dvec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
@@ -73,13 +76,16 @@ std::vector<vec3> vertex_normals(const Mesh& mesh) {
   }
   std::vector<vec3> normals(sum.size(), vec3(0.0f));
   for (std::size_t i = 0; i < sum.size(); ++i) {
-    if (!mesh.normals.empty() && mesh.normals[i] != vec3(0.0f)) {
-      normals[i] = mesh.normals[i];
-      continue;
-    }
     const double length = glm::length(sum[i]);
     if (length > 0.0) normals[i] = vec3(sum[i] / length);
   }
+  return normals;
+}
+
+std::vector<vec3> vertex_normals(const Mesh& mesh) {
+  std::vector<vec3> normals = geometric_normals(mesh);
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i)
+    if (mesh.normals[i] != vec3(0.0f)) normals[i] = mesh.normals[i];
   return normals;
 }
 

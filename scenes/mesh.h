@@ -28,16 +28,19 @@ struct Mesh {
 Bounds bounds(const Mesh& mesh);
 Box<dvec3> bounds(const ImportedMesh& mesh);
 
-/// Unit vertex normals: the mesh's own, otherwise the area-weighted mean of the triangles around; zero where a vertex
-/// has neither.
+/// Unit normal of the surface at each vertex: the area-weighted mean of the triangles around; zero where there are
+/// none.
+std::vector<vec3> geometric_normals(const Mesh& mesh);
+/// What a vertex is shaded with: the mesh's own normal, or else the geometric one.
 std::vector<vec3> vertex_normals(const Mesh& mesh);
 
 /// A place near `centre` to count coordinates from, for things of about `size`: on a lattice of powers of two, so that
 /// subtracting it is exact, and zero for what lies within a few sizes of zero.
 dvec3 local_origin(dvec3 centre, double size);
 
-/// The mesh in float, about an origin.
+/// The mesh in float, about an origin; without one, about one of its own.
 Mesh narrowed(const ImportedMesh& mesh, dvec3 origin);
+Mesh narrowed(const ImportedMesh& mesh);
 ImportedMesh widened(const Mesh& mesh);
 
 /// A file's mesh (scenes/import/import.h) about an origin of its own. Throws Error.

@@ -93,21 +93,6 @@ void fill(const RayPacket& packet, int count, RTCRay16& rays, int* valid) {
   for (int i = 0; i < RayPacket::size; ++i) valid[i] = i < count ? -1 : 0;
 }
 
-/// Point of the triangle that is nearest to p (Ericson 2005, section 5.1.5): by the region of the plane p lies over.
-vec3 nearest_point(vec3 p, vec3 a, vec3 b, vec3 c) {
-  const vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-  const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-  if (d1 <= 0.0f && d2 <= 0.0f) return a;
-  if (d3 >= 0.0f && d4 <= d3) return b;
-  if (d6 >= 0.0f && d5 <= d6) return c;
-  const float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) return a + d1 / (d1 - d3) * ab;
-  if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) return a + d2 / (d2 - d6) * ac;
-  if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  return a + (vb * ab + vc * ac) / (va + vb + vc);
-}
-
 struct MeshBuffers {
   const vec3* positions = nullptr;
   const uvec3* triangles = nullptr;
@@ -129,6 +114,11 @@ bool look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
   best = {distance, point};
   arguments->query->radius = distance;
   return true;
+}
+
+bool look_at_any(RTCPointQueryFunctionArguments* arguments) {
+  (*static_cast<const std::function<void(unsigned)>*>(arguments->userPtr))(arguments->primID);
+  return false;
 }
 
 bool count_memory(void* user, ssize_t bytes, bool) {
@@ -166,9 +156,6 @@ void RayScene::begin(const Bounds& box) {
   impl_->buffers = {};
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);  // no light through the edges between triangles
   box_ = box;
-  lift_ = 1e-4f * glm::length(box_.extent());
-  box_.low -= 0.1f * lift_;  // room for rounding
-  box_.high += 0.1f * lift_;
 }
 
 void RayScene::commit() {
@@ -245,8 +232,9 @@ unsigned RayScene::meets_box(const RayPacket& packet, int count) const {
       leave[i] = second < leave[i] ? second : leave[i];
     }
   }
+  constexpr float room = 1.0f + 0x1p-21f;  // every step above rounds relative to its result (Ize 2013)
   unsigned bits = 0;
-  for (int i = 0; i < size; ++i) bits |= (enter[i] > leave[i] ? 0u : 1u) << i;  // NaN counts as meeting
+  for (int i = 0; i < size; ++i) bits |= (enter[i] > leave[i] * room ? 0u : 1u) << i;  // NaN counts as meeting
   return bits & ((1u << count) - 1u);
 }
 
@@ -279,6 +267,14 @@ Nearest RayScene::nearest(vec3 point, float most) const {
   rtcPointQuery(impl_->scene, &query, &context, look_at_triangle, &search);
   if (search.best.distance > most) search.best.distance = infinity;
   return search.best;
+}
+
+void RayScene::triangles_near(vec3 point, float reach, const std::function<void(unsigned)>& look_at) const {
+  if (!impl_->buffers.triangles) return;
+  RTCPointQuery query{point.x, point.y, point.z, 0.0f, std::nextafter(reach, infinity)};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(impl_->scene, &query, &context, look_at_any, const_cast<std::function<void(unsigned)>*>(&look_at));
 }
 
 std::size_t RayScene::bytes() const {

@@ -1,6 +1,7 @@
 // Rays against a mesh, through Embree. The only place that knows Embree's version.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -20,6 +21,24 @@ struct Nearest {
   float distance;
   vec3 point;
 };
+
+/// Point of the triangle (a, b, c) that is nearest to p (Ericson 2005, section 5.1.5): by the region of the plane that
+/// p lies over.
+template <class Vector>
+Vector nearest_point(Vector p, Vector a, Vector b, Vector c) {
+  using T = typename Vector::value_type;
+  const Vector ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const T d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  const T d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d1 <= 0 && d2 <= 0) return a;
+  if (d3 >= 0 && d4 <= d3) return b;
+  if (d6 >= 0 && d5 <= d6) return c;
+  const T va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  return a + (vb * ab + vc * ac) / (va + vb + vc);
+}
 
 /// Up to 16 rays as separate coordinates.
 struct RayPacket {
@@ -68,9 +87,8 @@ class RayScene {
   /// The surface's point that is nearest to a point; distance infinity if it is more than `most`, metres.
   Nearest nearest(vec3 point, float most) const;
 
-  /// Where rays of a surface point start: lifted along its normal by 1e-4 of the mesh's diagonal. Every ray-traced
-  /// technique and rung uses it, so that none sees a contact that another does not.
-  vec3 lift(vec3 position, vec3 normal) const { return position + lift_ * normal; }
+  /// Calls look_at(index) for every triangle whose box comes within `reach` of a point, and perhaps others.
+  void triangles_near(vec3 point, float reach, const std::function<void(unsigned)>& look_at) const;
 
   std::size_t bytes() const;  ///< memory held by Embree for this scene
 
@@ -79,7 +97,6 @@ class RayScene {
   void begin(const Bounds& box);
   void commit();
   std::unique_ptr<Impl> impl_;
-  float lift_ = 0.0f;
   Bounds box_;
 };
 

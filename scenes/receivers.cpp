@@ -5,21 +5,31 @@
 #include <cmath>
 
 #include "scenes/error.h"
-#include "scenes/ray_scene.h"
+#include "scenes/ray_origins.h"
 
 namespace penumbra {
 namespace {
 
-Receivers on_plane(const PlaneGrid& plane) {
+void place_origins(Receivers& r, const std::vector<vec3>& side, const RayOrigins& origins) {
+  r.origin = r.position;
+  tbb::parallel_for(tbb::blocked_range<int>(0, r.size(), 256), [&](const tbb::blocked_range<int>& range) {
+    for (int i = range.begin(); i < range.end(); ++i)
+      if (r.valid(i)) r.origin[i] = origins(r.position[i], side[i]);
+  });
+}
+
+Receivers on_plane(const PlaneGrid& plane, const Mesh& mesh) {
   Receivers r;
   r.width = r.height = plane.resolution;
   for (int j = 0; j < r.height; ++j)
     for (int i = 0; i < r.width; ++i) {
       const auto along = [&](int k) { return plane.half_extent * (2.0f * (float(k) + 0.5f) / float(r.width) - 1.0f); };
-      r.position.emplace_back(along(i), plane.y, along(j));
+      r.position.emplace_back(plane.x + along(i), plane.y, plane.z + along(j));
     }
   r.normal.assign(r.position.size(), vec3(0, 1, 0));
   r.on_occluder.assign(r.position.size(), 0);
+  const RayScene rays(mesh);
+  place_origins(r, r.normal, RayOrigins(mesh, rays));
   return r;
 }
 
@@ -31,17 +41,71 @@ Receivers on_vertices(const Mesh& mesh) {
   r.position = mesh.positions;
   r.normal = vertex_normals(mesh);
   r.on_occluder.assign(r.position.size(), 1);
+  const RayScene rays(mesh);
+  place_origins(r, geometric_normals(mesh), RayOrigins(mesh, rays));
   return r;
 }
 
+/// What a pixel of a camera shows.
+class PixelFinder {
+ public:
+  PixelFinder(const Camera& camera, const Mesh& mesh, const RayScene& rays)
+      : camera_(camera), mesh_(mesh), rays_(rays), normals_(vertex_normals(mesh)) {
+    forward_ = glm::normalize(camera.target - camera.eye);
+    right_ = glm::normalize(glm::cross(forward_, std::abs(forward_.y) > 0.999f ? vec3(0, 0, -1) : vec3(0, 1, 0)));
+    up_ = glm::cross(right_, forward_);
+    scale_ = std::tan(glm::radians(0.5f * camera.vertical_fov));
+  }
+
+  /// Fills receiver (x, y) and the side of its surface that is seen.
+  void find(int x, int y, Receivers& r, vec3& side) const {
+    const vec3 towards = direction(x, y);
+    const std::size_t k = std::size_t(y) * r.width + x;
+    const Hit hit = rays_.intersect(camera_.eye, towards);
+    const float ground = camera_.has_ground ? (camera_.ground - camera_.eye.y) / towards.y : -1.0f;
+    // A mesh that has a ground of its own at the same height is the ground: which of them is nearer is rounding.
+    if (ground > 0.0f && std::isfinite(ground) && ground < hit.distance * (1.0f + 1e-5f)) {
+      r.view_depth[k] = ground;
+      r.position[k] = camera_.eye + ground * towards;
+      r.position[k].y = camera_.ground;
+      r.normal[k] = side = {0, 1, 0};
+    } else if (hit) {
+      place_on_mesh(hit, towards, r, k, side);
+    }
+  }
+
+ private:
+  vec3 direction(int x, int y) const {
+    const float px = (2.0f * (float(x) + 0.5f) - float(camera_.width)) / float(camera_.height) * scale_;
+    const float py = (1.0f - 2.0f * (float(y) + 0.5f) / float(camera_.height)) * scale_;
+    return glm::normalize(forward_ + px * right_ + py * up_);
+  }
+
+  void place_on_mesh(const Hit& hit, vec3 towards, Receivers& r, std::size_t k, vec3& side) const {
+    const uvec3 t = mesh_.triangles[hit.triangle];
+    const dvec3 a = mesh_.positions[t.x], b = mesh_.positions[t.y], c = mesh_.positions[t.z];
+    const float w = 1.0f - hit.u - hit.v;
+    r.view_depth[k] = hit.distance;
+    r.position[k] = vec3(double(w) * a + double(hit.u) * b + double(hit.v) * c);
+    r.on_occluder[k] = 1;
+    side = vec3(glm::normalize(glm::cross(b - a, c - a)));
+    vec3 n = w * normals_[t.x] + hit.u * normals_[t.y] + hit.v * normals_[t.z];
+    if (glm::dot(n, n) == 0.0f) n = side;
+    if (glm::dot(side, towards) > 0.0f) side = -side, n = -n;  // a back face
+    r.normal[k] = glm::normalize(n);
+  }
+
+  const Camera& camera_;
+  const Mesh& mesh_;
+  const RayScene& rays_;
+  std::vector<vec3> normals_;
+  vec3 forward_, right_, up_;
+  float scale_;
+};
+
 Receivers through_camera(const Camera& camera, const Mesh& mesh) {
   const RayScene rays(mesh);
-  const std::vector<vec3> normals = vertex_normals(mesh);
-  const vec3 forward = glm::normalize(camera.target - camera.eye);
-  const vec3 right = glm::normalize(glm::cross(forward, std::abs(forward.y) > 0.999f ? vec3(0, 0, -1) : vec3(0, 1, 0)));
-  const vec3 up = glm::cross(right, forward);
-  const float scale = std::tan(glm::radians(0.5f * camera.vertical_fov));
-
+  const PixelFinder finder(camera, mesh, rays);
   Receivers r;
   r.width = camera.width;
   r.height = camera.height;
@@ -50,31 +114,11 @@ Receivers through_camera(const Camera& camera, const Mesh& mesh) {
   r.normal.assign(size, vec3(0.0f));
   r.view_depth.assign(size, std::numeric_limits<float>::infinity());
   r.on_occluder.assign(size, 0);
+  std::vector<vec3> side(size, vec3(0.0f));
   tbb::parallel_for(0, r.height, [&](int y) {
-    for (int x = 0; x < r.width; ++x) {
-      const float px = (2.0f * (float(x) + 0.5f) - float(r.width)) / float(r.height) * scale;
-      const float py = (1.0f - 2.0f * (float(y) + 0.5f) / float(r.height)) * scale;
-      const vec3 direction = glm::normalize(forward + px * right + py * up);
-      const std::size_t k = std::size_t(y) * r.width + x;
-      const Hit hit = rays.intersect(camera.eye, direction);
-      const float ground = camera.has_ground ? (camera.ground - camera.eye.y) / direction.y : -1.0f;
-      if (ground > 0.0f && std::isfinite(ground) && ground < hit.distance) {
-        r.view_depth[k] = ground;
-        r.normal[k] = {0, 1, 0};
-      } else if (hit) {
-        const uvec3 t = mesh.triangles[hit.triangle];
-        vec3 n = (1.0f - hit.u - hit.v) * normals[t.x] + hit.u * normals[t.y] + hit.v * normals[t.z];
-        if (glm::dot(n, n) == 0.0f) n = hit.normal;
-        if (glm::dot(n, direction) > 0.0f && glm::dot(hit.normal, direction) > 0.0f) n = -n;  // a back face
-        r.view_depth[k] = hit.distance;
-        r.normal[k] = glm::normalize(n);
-        r.on_occluder[k] = 1;
-      } else {
-        continue;
-      }
-      r.position[k] = camera.eye + r.view_depth[k] * direction;
-    }
+    for (int x = 0; x < r.width; ++x) finder.find(x, y, r, side[std::size_t(y) * r.width + x]);
   });
+  place_origins(r, side, RayOrigins(mesh, rays));
   return r;
 }
 
@@ -82,7 +126,7 @@ Receivers through_camera(const Camera& camera, const Mesh& mesh) {
 
 Receivers make_receivers(const ReceiverSpec& spec, const Mesh& mesh) {
   Receivers r;
-  if (const auto* plane = std::get_if<PlaneGrid>(&spec.kind)) r = on_plane(*plane);
+  if (const auto* plane = std::get_if<PlaneGrid>(&spec.kind)) r = on_plane(*plane, mesh);
   else if (const auto* camera = std::get_if<Camera>(&spec.kind)) r = through_camera(*camera, mesh);
   else r = on_vertices(mesh);
   r.albedo.assign(r.position.size(), spec.albedo);

@@ -14,17 +14,21 @@ class RayScene;
 struct Receivers {
   int width = 0, height = 0;
   std::vector<vec3> position, normal, albedo;
+  std::vector<vec3> origin;               ///< where rays from the point start (scenes/ray_origins.h)
   std::vector<float> view_depth;          ///< distance to the camera, m; infinity where nothing is seen; camera only
   std::vector<std::uint8_t> on_occluder;  ///< 1 where the point lies on the mesh: its own spheres are skipped there
 
   int size() const { return width * height; }
   bool valid(int i) const { return normal[i] != vec3(0.0f); }
+  /// Points that touch nothing need no origins of their own.
+  vec3 ray_origin(int i) const { return origin.empty() ? position[i] : origin[i]; }
 };
 
 struct PlaneGrid {
   float half_extent = 1.0f;
   int resolution = 128;
   float y = 0.0f;
+  float x = 0.0f, z = 0.0f;  ///< of its centre
 };
 struct MeshVertices {};
 struct Camera {
@@ -40,7 +44,8 @@ struct ReceiverSpec {
   vec3 albedo{1.0f};
 };
 
-/// Positions receivers; camera pixels are found by Embree primary rays through pixel centres.
+/// Positions receivers and their rays' origins; camera pixels are found by Embree primary rays through pixel centres.
+/// Receivers on the mesh are shaded with its normals, and on the side that the camera sees or the triangles face.
 Receivers make_receivers(const ReceiverSpec& spec, const Mesh& mesh);
 
 }  // namespace penumbra

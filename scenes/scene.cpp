@@ -1,5 +1,6 @@
 #include "scenes/scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace penumbra {
@@ -10,21 +11,42 @@ vec3 turn_y(vec3 p, float angle) {
   return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
 }
 
+/// x and z of a motion's axis.
+vec3 axis_of(const Motion& motion) {
+  return {motion.centre.x, 0.0f, motion.centre.z};
+}
+
 /// Where a point of the rest shape goes.
 vec3 moved(const Motion& motion, const Bounds& rest, vec3 p, float angle) {
-  const float height = std::max(rest.extent().y, 1e-20f), h = (p.y - rest.low.y) / height;
+  const float height = std::max(rest.extent().y, 1e-20f), up = p.y - rest.low.y, h = up / height;
+  const vec3 axis = axis_of(motion), beside = p - axis;
   switch (motion.kind) {
     case Motion::Kind::rigid:
-      return turn_y(p, angle);
+      return axis + turn_y(beside, angle);
     case Motion::Kind::twist:
-      return turn_y(p, angle * h);
+      return axis + turn_y(beside, angle * h);
     case Motion::Kind::bend: {  // about +z, from the ground up
       const float c = std::cos(angle * h), s = std::sin(angle * h);
-      return {c * p.x - s * (p.y - rest.low.y), rest.low.y + s * p.x + c * (p.y - rest.low.y), p.z};
+      return {axis.x + c * beside.x - s * up, rest.low.y + s * beside.x + c * up, p.z};
     }
     default:
       return p;
   }
+}
+
+/// Where a normal of the rest shape goes: by the cofactors of the motion's derivative.
+vec3 moved_normal(const Motion& motion, const Bounds& rest, vec3 p, vec3 normal, float angle) {
+  const float step = 1e-2f * std::max({rest.extent().x, rest.extent().y, rest.extent().z, 1e-20f});
+  dvec3 d[3];
+  for (int c = 0; c < 3; ++c) {
+    vec3 beside(0.0f);
+    beside[c] = step;
+    d[c] = dvec3(moved(motion, rest, p + beside, angle)) - dvec3(moved(motion, rest, p - beside, angle));
+  }
+  const dvec3 n = double(normal.x) * glm::cross(d[1], d[2]) + double(normal.y) * glm::cross(d[2], d[0]) +
+                  double(normal.z) * glm::cross(d[0], d[1]);
+  const double length = glm::length(n);
+  return length > 0.0 ? vec3(n / length) : normal;
 }
 
 }  // namespace
@@ -54,13 +76,17 @@ Frame Animation::frame(int index) {
     if (auto* area = std::get_if<AreaLight>(&light_)) {
       *area = *area_light_of(scene_.light);
       const float angle = motion.amount * float(index) / motion.period;
-      for (vec3* v : {&area->centre, &area->edge_u, &area->edge_v, &area->normal}) *v = turn_y(*v, angle);
+      const vec3 axis = axis_of(motion);
+      area->centre = axis + turn_y(area->centre - axis, angle);
+      for (vec3* v : {&area->edge_u, &area->edge_v, &area->normal}) *v = turn_y(*v, angle);
     }
   } else if (deforms()) {
     changed.mesh = changed.spheres = true;
     const float angle = motion.amount * float(std::sin(2.0 * pi * index / motion.period));
     for (std::size_t i = 0; i < mesh_.positions.size(); ++i)
       mesh_.positions[i] = moved(motion, rest_, scene_.mesh.positions[i], angle);
+    for (std::size_t i = 0; i < mesh_.normals.size(); ++i)
+      mesh_.normals[i] = moved_normal(motion, rest_, scene_.mesh.positions[i], scene_.mesh.normals[i], angle);
     if (!mesh_.empty()) carrier_.move(mesh_, spheres_);
     else
       for (std::size_t i = 0; i < spheres_.size(); ++i)

@@ -18,11 +18,14 @@ struct Motion {
   float period = 16.0f;  ///< frames
   int frames = 1;        ///< how many frames a run walks through
   Carry carry = Carry::rigid;
+  vec3 centre{0.0f};  ///< shapes and lamps turn about the vertical axis through it
 };
 
-/// Rest state of everything. Techniques receive it once, in prepare().
+/// Rest state of everything. Techniques receive it once, in prepare(). All of it is counted from `origin`, which lies
+/// near the receivers: what a scene looks like does not depend on where it lies.
 struct Scene {
   std::string name;
+  dvec3 origin{0.0};  ///< in the coordinates of the scene's file
   Mesh mesh;
   SphereSet spheres;
   std::string objective;  ///< that the spheres were fitted for; empty if they were given

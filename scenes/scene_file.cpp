@@ -10,8 +10,8 @@
 namespace penumbra {
 namespace {
 
-constexpr double huge = 1e6;
-constexpr double tiny = 1e-6;
+constexpr double huge = 1e12;
+constexpr double tiny = 1e-9;
 
 /// Asset name or path relative to the scene file; the key's place is put before whatever goes wrong.
 std::string resolve(const TomlReader& at, const std::string& key, const std::string& name, const std::string& kind,
@@ -43,8 +43,35 @@ Objective read_objective(TomlReader& at) {
   return at_key(at, "objective", [&] { return parse_objective(*name); });
 }
 
-/// A fit by count keeps the name of its objective in `objective`; spheres from a list or a file leave it empty.
-SphereSet read_spheres(TomlReader& at, const Mesh& mesh, const SphereChoice& choice, std::string& objective) {
+/// What blocks light, in the scene's coordinates and in double: it is narrowed once the receivers say where.
+struct Occluder {
+  ImportedMesh mesh;
+  SphereList spheres;
+};
+
+/// A list [[x, y, z, radius], ...].
+SphereList listed_spheres(TomlReader& at, const toml::array& list) {
+  SphereList spheres;
+  for (const toml::node& item : list) {
+    const toml::array* four = item.as_array();
+    glm::dvec4 v(0.0);
+    bool good = four && four->size() == 4;
+    for (int k = 0; good && k < 4; ++k) {
+      good = four->get(std::size_t(k))->is_number();
+      if (good) v[k] = *four->get(std::size_t(k))->value<double>();
+      good = good && std::abs(v[k]) <= huge;
+    }
+    if (!good || v.w < 0)
+      at.fail("spheres", fmt::format("[{}] must be four finite numbers [x, y, z, radius >= 0]", spheres.size()));
+    spheres.push_back(v);
+  }
+  return spheres;
+}
+
+/// In the mesh's coordinates. A fit by count keeps the name of its objective in `objective`; spheres from a list or a
+/// file leave it empty.
+SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const SphereChoice& choice,
+                      std::string& objective) {
   const toml::node* node = at.node("spheres");
   const bool fitted = choice.count || (node && node->is_integer());
   if (!fitted && at.has("objective")) at.fail("objective", "is for spheres given by count");
@@ -56,51 +83,43 @@ SphereSet read_spheres(TomlReader& at, const Mesh& mesh, const SphereChoice& cho
     request.spheres = choice.count ? *choice.count : *at.integer("spheres", 1, 4096);
     request.objective = choice.objective.value_or(own);
     objective = to_string(request.objective);
-    if (mesh.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
-    return at_key(at, "spheres", [&] { return cached_fit(mesh, request, *at.text("mesh")); });
+    if (imported.triangles.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
+    const Mesh mesh = narrowed(imported);
+    return at_key(at, "spheres", [&] { return widened(cached_fit(mesh, request, *at.text("mesh")), mesh.origin); });
   }
   if (!node) return {};
   if (node->is_string()) {
     const auto path = std::filesystem::path(at.file()).parent_path() / *at.text("spheres");
-    return at_key(at, "spheres", [&] { return load_spheres(path.string()); });
+    return at_key(at, "spheres", [&] { return read_spheres(path.string()); });
   }
   const toml::array* list = node->as_array();
   if (!list) at.fail("spheres", "must be a count, a file name or a list of [x, y, z, radius]");
-  SphereSet set;
-  for (const toml::node& item : *list) {
-    const toml::array* four = item.as_array();
-    double v[4];
-    bool good = four && four->size() == 4;
-    for (std::size_t k = 0; good && k < 4; ++k) {
-      good = four->get(k)->is_number();
-      if (good) v[k] = *four->get(k)->value<double>();
-      good = good && std::abs(v[k]) <= huge;
-    }
-    if (!good || v[3] < 0)
-      at.fail("spheres", fmt::format("[{}] must be four finite numbers [x, y, z, radius >= 0]", set.size()));
-    set.spheres.push_back({vec3(v[0], v[1], v[2]), float(v[3])});
-  }
-  return set;
+  return listed_spheres(at, *list);
 }
 
-void read_occluder(TomlReader at, const SphereChoice& choice, Scene& scene) {
+Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& objective) {
+  Occluder occluder;
   const std::string name = at.required("mesh", at.text("mesh"), "an asset name, a path or a shape");
   const auto seed = at.integer("seed", 0, 1 << 30);
   if (seed && name != "primitives") at.fail("seed", "is for the shape primitives");
-  if (!make_shape(name, scene.mesh, unsigned(seed.value_or(1)))) {
+  if (Mesh shape; make_shape(name, shape, unsigned(seed.value_or(1)))) {
+    occluder.mesh = widened(shape);
+  } else {
     const std::string file = resolve(at, "mesh", name, "mesh", shape_names);
-    scene.mesh = at_key(at, "mesh", [&] { return load_mesh(file); });
+    occluder.mesh = at_key(at, "mesh", [&] { return import_mesh(file); });
   }
-  scene.spheres = read_spheres(at, scene.mesh, choice, scene.objective);
+  occluder.spheres = spheres_of(at, occluder.mesh, choice, objective);
   if (auto fit = at.table("fit")) {
-    if (scene.mesh.empty()) at.fail("fit", "needs a mesh");
+    if (occluder.mesh.triangles.empty()) at.fail("fit", "needs a mesh");
     const double height = fit->number("height", tiny, huge).value_or(0.0);
-    const Similarity to_scene = fit_to(bounds(widened(scene.mesh)), height, fit->boolean("on_ground").value_or(false));
-    for (vec3& p : scene.mesh.positions) p = vec3(to_scene(dvec3(p)));
-    scene.spheres = transformed(std::move(scene.spheres), to_scene);
+    const bool on_ground = fit->boolean("on_ground").value_or(false);
+    const Similarity to_scene = fit_to(bounds(occluder.mesh), height, on_ground, fit->point("at").value_or(dvec3(0.0)));
+    for (dvec3& p : occluder.mesh.positions) p = to_scene(p);
+    occluder.spheres = transformed(std::move(occluder.spheres), to_scene);
     fit->finish();
   }
   at.finish();
+  return occluder;
 }
 
 /// The one key of `kinds` that is there.
@@ -115,34 +134,67 @@ std::string exactly_one(TomlReader& at, const std::vector<std::string>& kinds) {
   return found[0];
 }
 
-ReceiverSpec read_receivers(TomlReader at) {
+PlaneGrid read_plane(TomlReader in, dvec3& origin) {
+  PlaneGrid plane;
+  const double half_extent = in.required("half_extent", in.number("half_extent", tiny, huge), "metres");
+  plane.half_extent = float(half_extent);
+  plane.resolution = in.required("resolution", in.integer("resolution", 1, 4096), "receivers along an edge");
+  if (in.has("centre") && in.has("y")) in.fail("y", "is part of the centre");
+  const dvec3 centre = in.point("centre").value_or(dvec3(0.0, in.number("y", -huge, huge).value_or(0.0), 0.0));
+  origin = local_origin(centre, half_extent);
+  const vec3 local(centre - origin);
+  plane.x = local.x, plane.y = local.y, plane.z = local.z;
+  in.finish();
+  return plane;
+}
+
+Camera read_camera(TomlReader in, dvec3& origin) {
+  Camera camera;
+  const dvec3 eye = in.required("eye", in.point("eye"), "[x, y, z]");
+  const dvec3 target = in.required("target", in.point("target"), "[x, y, z]");
+  if (eye == target) in.fail("target", "is the eye itself");
+  origin = local_origin(target, glm::distance(eye, target));
+  camera.eye = vec3(eye - origin);
+  camera.target = vec3(target - origin);
+  camera.vertical_fov = float(in.number("vertical_fov", 1.0, 170.0).value_or(45.0));
+  camera.width = in.required("width", in.integer("width", 1, 8192), "pixels");
+  camera.height = in.required("height", in.integer("height", 1, 8192), "pixels");
+  const toml::node* ground = in.node("ground");
+  if (ground && ground->is_boolean()) camera.has_ground = *in.boolean("ground");
+  else camera.ground = float(in.number("ground", -huge, huge).value_or(0.0) - origin.y);
+  in.finish();
+  return camera;
+}
+
+/// The origin of a scene whose receivers are vertices: the median, which a few parts far away do not move.
+dvec3 origin_of(const ImportedMesh& mesh) {
+  dvec3 middle, spread;
+  std::vector<double> values(mesh.positions.size());
+  const auto median = [&](int c, const auto& value) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(mesh.positions[i][c]);
+    const auto at = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
+  for (int c = 0; c < 3; ++c) {
+    middle[c] = median(c, [](double x) { return x; });
+    spread[c] = median(c, [&](double x) { return std::abs(x - middle[c]); });
+  }
+  return local_origin(middle, 2.0 * std::max({spread.x, spread.y, spread.z}));
+}
+
+ReceiverSpec read_receivers(TomlReader at, const ImportedMesh& mesh, dvec3& origin) {
   ReceiverSpec spec;
   const std::string kind = exactly_one(at, {"plane", "vertices", "camera"});
   if (kind == "plane") {
-    TomlReader in = *at.table("plane");
-    PlaneGrid plane;
-    plane.half_extent = float(in.required("half_extent", in.number("half_extent", tiny, huge), "metres"));
-    plane.resolution = in.required("resolution", in.integer("resolution", 1, 4096), "receivers along an edge");
-    plane.y = float(in.number("y", -huge, huge).value_or(0.0));
-    in.finish();
-    spec.kind = plane;
+    spec.kind = read_plane(*at.table("plane"), origin);
   } else if (kind == "camera") {
-    TomlReader in = *at.table("camera");
-    Camera camera;
-    camera.eye = in.required("eye", in.vector("eye"), "[x, y, z]");
-    camera.target = in.required("target", in.vector("target"), "[x, y, z]");
-    if (camera.eye == camera.target) in.fail("target", "is the eye itself");
-    camera.vertical_fov = float(in.number("vertical_fov", 1.0, 170.0).value_or(45.0));
-    camera.width = in.required("width", in.integer("width", 1, 8192), "pixels");
-    camera.height = in.required("height", in.integer("height", 1, 8192), "pixels");
-    const toml::node* ground = in.node("ground");
-    if (ground && ground->is_boolean()) camera.has_ground = *in.boolean("ground");
-    else camera.ground = float(in.number("ground", -huge, huge).value_or(0.0));
-    in.finish();
-    spec.kind = camera;
+    spec.kind = read_camera(*at.table("camera"), origin);
   } else {
     if (!*at.boolean("vertices")) at.fail("vertices", "must be true, or absent");
+    if (mesh.triangles.empty()) at.fail("vertices", "asks for vertices, but the occluder has no mesh");
     spec.kind = MeshVertices{};
+    origin = origin_of(mesh);
   }
   if (const auto albedo = at.vector("albedo")) {
     if (glm::any(glm::lessThan(*albedo, vec3(0.0f))) || glm::any(glm::greaterThan(*albedo, vec3(1.0f))))
@@ -165,8 +217,8 @@ Layout read_layout(TomlReader& at) {
   at.fail("mapping", "is '" + *mapping + "'; allowed are lat-long, cross, strip, angular");
 }
 
-AreaLight read_area_light(TomlReader at) {
-  const vec3 centre = at.required("centre", at.vector("centre"), "[x, y, z]");
+AreaLight read_area_light(TomlReader at, dvec3 origin) {
+  const vec3 centre(at.required("centre", at.point("centre"), "[x, y, z]") - origin);
   const auto radiance = at.vector("radiance").value_or(vec3(1.0f));
   if (glm::any(glm::lessThan(radiance, vec3(0.0f)))) at.fail("radiance", "must not be negative");
   AreaLight light;
@@ -184,10 +236,10 @@ AreaLight read_area_light(TomlReader at) {
   return light;
 }
 
-Light read_light(TomlReader at) {
+Light read_light(TomlReader at, dvec3 origin) {
   const std::string kind = exactly_one(at, {"environment", "area"});
   if (kind == "area") {
-    AreaLight light = read_area_light(*at.table("area"));
+    AreaLight light = read_area_light(*at.table("area"), origin);
     at.finish();
     return light;
   }
@@ -203,7 +255,7 @@ Light read_light(TomlReader at) {
   return environment;
 }
 
-Motion read_motion(TomlReader at) {
+Motion read_motion(TomlReader at, dvec3 origin) {
   const std::pair<const char*, Motion::Kind> names[] = {{"twist", Motion::Kind::twist},
                                                         {"bend", Motion::Kind::bend},
                                                         {"rigid", Motion::Kind::rigid},
@@ -217,6 +269,7 @@ Motion read_motion(TomlReader at) {
   motion.amount = float(at.number("amount", -100.0, 100.0).value_or(1.0));
   motion.period = float(at.number("period", 1.0, huge).value_or(16.0));
   motion.frames = at.integer("frames", 1, 100000).value_or(16);
+  motion.centre = vec3(at.point("centre").value_or(dvec3(0.0)) - origin);
   const std::string carry = at.text("carry").value_or("rigid");
   if (carry == "affine") motion.carry = Carry::affine;
   else if (carry != "rigid") at.fail("carry", "is '" + carry + "'; allowed are rigid, affine");
@@ -231,13 +284,14 @@ Scene load_scene(const std::string& name_or_path, const SphereChoice& choice) {
   Scene scene;
   scene.name = file.required("name", file.text("name"), "a name for tables");
   const auto section = [&](const char* key) { return file.required(key, file.table(key), "a table"); };
-  read_occluder(section("occluder"), choice, scene);
-  scene.receiver_spec = read_receivers(section("receivers"));
-  scene.light = read_light(section("light"));
-  if (auto motion = file.table("motion")) scene.motion = read_motion(*motion);
+  const Occluder occluder = read_occluder(section("occluder"), choice, scene.objective);
+  scene.receiver_spec = read_receivers(section("receivers"), occluder.mesh, scene.origin);
+  scene.light = read_light(section("light"), scene.origin);
+  if (auto motion = file.table("motion")) scene.motion = read_motion(*motion, scene.origin);
   file.finish();
-  if (std::holds_alternative<MeshVertices>(scene.receiver_spec.kind) && scene.mesh.empty())
-    file.fail("receivers", "asks for vertices, but the occluder has no mesh");
+  scene.mesh = narrowed(occluder.mesh, scene.origin);
+  if (!scene.mesh.empty()) validate(scene.mesh, scene.name);
+  scene.spheres = narrowed(occluder.spheres, scene.origin);
   scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
   return scene;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "scenes/error.h"
@@ -21,12 +22,28 @@ Bounds bounds(const SphereSet& set) {
   return box;
 }
 
-SphereSet transformed(SphereSet set, const Similarity& fit) {
-  for (Sphere& s : set.spheres) s = {vec3(fit(dvec3(s.centre))), float(fit.scale * double(s.radius))};
+SphereList widened(const SphereSet& set, dvec3 origin) {
+  SphereList list;
+  for (const Sphere& s : set.spheres) list.emplace_back(origin + dvec3(s.centre), double(s.radius));
+  return list;
+}
+
+SphereSet narrowed(const SphereList& list, dvec3 origin) {
+  SphereSet set;
+  for (const glm::dvec4& s : list) set.spheres.push_back({vec3(dvec3(s) - origin), float(s.w)});
   return set;
 }
 
+SphereList transformed(SphereList list, const Similarity& fit) {
+  for (glm::dvec4& s : list) s = {fit(dvec3(s)), fit.scale * s.w};
+  return list;
+}
+
 SphereSet load_spheres(const std::string& path) {
+  return narrowed(read_spheres(path), dvec3(0.0));
+}
+
+SphereList read_spheres(const std::string& path) {
   if (!std::filesystem::exists(path)) throw Error("{}: no such sphere file", path);
   nlohmann::json json;
   try {
@@ -36,25 +53,24 @@ SphereSet load_spheres(const std::string& path) {
   }
   if (!json.is_object() || !json.contains("spheres") || !json["spheres"].is_array())
     throw Error("{}: expected {{\"spheres\": [[x, y, z, radius], ...]}}", path);
-  SphereSet set;
+  SphereList list;
   for (const auto& item : json["spheres"]) {
     bool good = item.is_array() && item.size() == 4;
     for (std::size_t k = 0; good && k < 4; ++k) good = item[k].is_number();
     if (good) {
-      set.spheres.push_back({{item[0], item[1], item[2]}, item[3]});
-      const Sphere& s = set.spheres.back();
-      good = std::isfinite(s.centre.x + s.centre.y + s.centre.z + s.radius) && s.radius >= 0;
+      const glm::dvec4& s = list.emplace_back(item[0], item[1], item[2], item[3]);
+      good = glm::all(glm::lessThan(glm::abs(s), glm::dvec4(double(std::numeric_limits<float>::max())))) && s.w >= 0;
     }
     if (!good)
-      throw Error("{}: spheres[{}] is {}; expected four finite numbers [x, y, z, radius >= 0]", path,
-                  set.spheres.size(), item.dump());
+      throw Error("{}: spheres[{}] is {}; expected four finite numbers [x, y, z, radius >= 0]", path, list.size(),
+                  item.dump());
   }
-  return set;
+  return list;
 }
 
-void save_spheres(const std::string& path, const SphereSet& set) {
+void save_spheres(const std::string& path, const SphereSet& set, dvec3 origin) {
   nlohmann::json json;
-  for (const Sphere& s : set.spheres) json["spheres"].push_back({s.centre.x, s.centre.y, s.centre.z, s.radius});
+  for (const glm::dvec4& s : widened(set, origin)) json["spheres"].push_back({s.x, s.y, s.z, s.w});
   const std::string partial = path + ".partial-" + std::to_string(getpid());
   std::ofstream out(partial);
   out << json.dump(1) << '\n';

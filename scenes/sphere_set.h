@@ -22,12 +22,18 @@ struct SphereSet {
 /// Box around all spheres; zero box for an empty set.
 Bounds bounds(const SphereSet& set);
 
-SphereSet transformed(SphereSet set, const Similarity& fit);
+/// Spheres as files hold them: x, y, z, radius in double.
+using SphereList = std::vector<glm::dvec4>;
+SphereList widened(const SphereSet& set, dvec3 origin);
+SphereSet narrowed(const SphereList& list, dvec3 origin);
+SphereList transformed(SphereList list, const Similarity& fit);
 
 /// JSON: {"spheres": [[x, y, z, radius], ...]} in the mesh's own coordinates.
 /// Throws Error naming file and entry if it is malformed, non-finite or a radius is negative.
+SphereList read_spheres(const std::string& path);
+/// The same of a set that lies near zero.
 SphereSet load_spheres(const std::string& path);
 /// Writes beside the target and renames.
-void save_spheres(const std::string& path, const SphereSet& set);
+void save_spheres(const std::string& path, const SphereSet& set, dvec3 origin = dvec3(0.0));
 
 }  // namespace penumbra

@@ -73,15 +73,20 @@ std::optional<std::string> TomlReader::text(const std::string& key) {
 }
 
 std::optional<vec3> TomlReader::vector(const std::string& key) {
+  const auto v = point(key);
+  return v ? std::optional(vec3(*v)) : std::nullopt;
+}
+
+std::optional<dvec3> TomlReader::point(const std::string& key) {
   const toml::node* n = node(key);
   if (!n) return {};
   const toml::array* a = n->as_array();
-  vec3 v(0.0f);
+  dvec3 v(0.0);
   bool good = a && a->size() == 3;
   for (int k = 0; good && k < 3; ++k) {
     const auto value = a->get(k)->value<double>();
     good = a->get(k)->is_number() && value && std::abs(*value) < 1e30;  // also refuses NaN
-    if (good) v[k] = float(*value);
+    if (good) v[k] = *value;
   }
   if (!good) fail(key, "must be three finite numbers [x, y, z]");
   return v;

@@ -28,6 +28,7 @@ class TomlReader {
   std::optional<bool> boolean(const std::string& key);
   std::optional<std::string> text(const std::string& key);
   std::optional<vec3> vector(const std::string& key);
+  std::optional<dvec3> point(const std::string& key);  ///< the same in double: a place may be far from zero
   std::optional<TomlReader> table(const std::string& key);
   std::vector<TomlReader> tables(const std::string& key);
   const toml::node* node(const std::string& key);

@@ -213,7 +213,7 @@ HWY_INLINE void FindBlocked(const BlockedJob& job, int i, std::uint64_t active, 
   blocked.touched = 0;
   if (job.rays) {
     traced.fill(false);
-    trace_texels(*job.rays, r.position[i], r.normal[i], *job.directions, true, traced);
+    trace_texels(*job.rays, r.ray_origin(i), r.normal[i], *job.directions, true, traced);
     std::copy(traced.words.begin(), traced.words.end(), blocked.words);
     blocked.touched = ~std::uint64_t(0) >> (64 - lines);
   } else if (!r.on_occluder[i]) {  // an object's own spheres swallow its surface

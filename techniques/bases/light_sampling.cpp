@@ -164,8 +164,7 @@ void LightSampler::normalise(vec3 unshadowed, std::vector<LightSample>& samples)
       for (LightSample& s : samples) s.weight[c] *= float(exact[c] / sum[c]);
 }
 
-vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples) {
-  const vec3 origin = rays.lift(position, normal);
+vec3 estimate_radiance(const RayScene& rays, vec3 origin, const std::vector<LightSample>& samples) {
   dvec3 sum(0.0);
   for (const LightSample& s : samples)
     if (s.weight != vec3(0.0f) && !rays.occluded(origin, s.direction, s.reach())) sum += dvec3(s.weight);

@@ -89,9 +89,9 @@ class LightSampler {
 
 class RayScene;
 
-/// Mean of weight * V over the samples of a receiver: reflected radiance at albedo 1, one ray after the other. Light
-/// that arrives from below the horizon costs no ray.
-vec3 estimate_radiance(const RayScene& rays, vec3 position, vec3 normal, const std::vector<LightSample>& samples);
+/// Mean of weight * V over the samples of a receiver, whose rays start at `origin`: reflected radiance at albedo 1, one
+/// ray after the other. Light that arrives from below the horizon costs no ray.
+vec3 estimate_radiance(const RayScene& rays, vec3 origin, const std::vector<LightSample>& samples);
 
 /// Light from the point (u, v) in [0, 1]^2 of an area light; weight 0 from behind either surface.
 LightSample sample_area(const AreaLight& light, vec3 position, vec3 normal, float u, float v);

@@ -24,9 +24,8 @@ vec3 pixel_sum(const CubeLight& light, const BitCube& blocked, vec3 normal, vec3
   return albedo * vec3(sum / pi);
 }
 
-void trace_texels(const RayScene& rays, vec3 position, vec3 normal, const std::vector<vec3>& directions, bool packets,
+void trace_texels(const RayScene& rays, vec3 origin, vec3 normal, const std::vector<vec3>& directions, bool packets,
                   BitCube& blocked) {
-  const vec3 origin = rays.lift(position, normal);
   constexpr float infinity = std::numeric_limits<float>::infinity();
   auto queue = make_ray_queue<int>(rays, [&](int texel, bool hit) {
     if (hit) blocked.set(texel);

@@ -24,8 +24,9 @@ struct CubeLight {
 /// skipped, not multiplied by zero, so that they cannot leave a residue.
 vec3 pixel_sum(const CubeLight& light, const BitCube& blocked, vec3 normal, vec3 albedo);
 
-/// One ray per texel centre above the horizon; sets the bits of those that hit. `packets` traces 16 at a time.
-void trace_texels(const RayScene& rays, vec3 position, vec3 normal, const std::vector<vec3>& directions, bool packets,
+/// One ray from `origin` per texel centre above the normal's horizon; sets the bits of those that hit. `packets` traces
+/// 16 at a time.
+void trace_texels(const RayScene& rays, vec3 origin, vec3 normal, const std::vector<vec3>& directions, bool packets,
                   BitCube& blocked);
 
 }  // namespace penumbra

@@ -7,7 +7,7 @@ void estimate_packet(const RayScene& rays, const Receivers& receivers, std::span
   const int count = int(which.size());
   vec3 origin[RayPacket::size];
   dvec3 sum[RayPacket::size] = {};
-  for (int i = 0; i < count; ++i) origin[i] = rays.lift(receivers.position[which[i]], receivers.normal[which[i]]);
+  for (int i = 0; i < count; ++i) origin[i] = receivers.ray_origin(which[i]);
 
   struct Ray {
     int receiver, sample;

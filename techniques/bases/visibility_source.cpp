@@ -43,7 +43,8 @@ void VisibilitySource::update(const Frame& frame) {
 
 void VisibilitySource::find_blocked(int i, BitCube& blocked) const {
   const vec3 x = receivers_->position[i];
-  if (kind_ == Kind::rays) return trace_texels(rays_, x, receivers_->normal[i], directions_, false, blocked);
+  if (kind_ == Kind::rays)
+    return trace_texels(rays_, receivers_->ray_origin(i), receivers_->normal[i], directions_, false, blocked);
   if (receivers_->on_occluder[i]) return;  // an object's own spheres swallow its surface
   if (kind_ == Kind::raster) return rasterise_spheres(*spheres_, x, directions_, blocked);
   merge_spheres(*table_, *spheres_, x, blocked);

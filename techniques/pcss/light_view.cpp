@@ -15,7 +15,11 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 struct Box {
   vec2 low{infinity}, high{-infinity};
   void add(vec2 q) { low = glm::min(low, q), high = glm::max(high, q); }
-  void cut(vec2 most) { low = glm::clamp(low, -most, most), high = glm::clamp(high, -most, most); }
+  void add(const Box& other) { low = glm::min(low, other.low), high = glm::max(high, other.high); }
+  void grow(float by) { low -= by, high += by; }
+  void cut(const Box& most) {
+    low = glm::clamp(low, most.low, most.high), high = glm::clamp(high, most.low, most.high);
+  }
 };
 
 void set_axes(const AreaLight& light, double scale, LightView& view) {
@@ -32,33 +36,78 @@ void set_axes(const AreaLight& light, double scale, LightView& view) {
   view.across_v = glm::cross(n, view.edge_u) / glm::dot(n, n);
 }
 
-/// Depths of the occluder in front of the light.
-struct Depths {
-  float near = infinity, far = 0.0f;
-  bool behind = false;  ///< a part of the occluder is
+/// Where the valid receivers in front of the light lie: q, and depth of the farthest, m; 0 if there is none.
+struct Footing {
+  Box window;
+  float farthest = 0.0f;
 };
 
-Depths measure(const LightView& view, const Mesh& mesh) {
-  Depths depths;
-  for (const vec3& p : mesh.positions) {
-    const float z = view.depth(p);
-    depths.far = std::max(depths.far, z);
-    if (z > 0.0f) depths.near = std::min(depths.near, z);
-    else depths.behind = true;
-  }
-  return depths;
+Footing find_receivers(const LightView& view, const Receivers& receivers) {
+  const auto add = [&](const tbb::blocked_range<int>& range, Footing sum) {
+    for (int i = range.begin(); i < range.end(); ++i) {
+      const float z = view.depth(receivers.position[i]);
+      if (!(z > 0.0f) || !(z < infinity) || !receivers.valid(i)) continue;
+      sum.window.add(view.project(receivers.position[i], z));
+      sum.farthest = std::max(sum.farthest, z);
+    }
+    return sum;
+  };
+  return tbb::parallel_reduce(tbb::blocked_range<int>(0, receivers.size(), 4096), Footing{}, add,
+                              [](Footing a, const Footing& b) {
+                                a.window.add(b.window);
+                                a.farthest = std::max(a.farthest, b.farthest);
+                                return a;
+                              });
 }
 
-/// Depth of the farthest valid receiver in front of the light, m; 0 if there is none.
-float farthest_receiver(const LightView& view, const Receivers& receivers) {
-  const auto farther = [&](const tbb::blocked_range<int>& range, float farthest) {
-    for (int i = range.begin(); i < range.end(); ++i)
-      if (const float z = view.depth(receivers.position[i]); z > farthest && z < infinity && receivers.valid(i))
-        farthest = z;
-    return farthest;
-  };
-  return tbb::parallel_reduce(tbb::blocked_range<int>(0, receivers.size(), 4096), 0.0f, farther,
-                              [](float a, float b) { return std::max(a, b); });
+/// The vertices of triangles that may stand between the light and a receiver. A triangle whose nearest corner has the
+/// depth z casts a penumbra of at most width(z, farthest) about itself, so where that does not meet the receivers, the
+/// map need not hold it: a part of the mesh that stands elsewhere changes nothing.
+std::vector<std::uint8_t> find_blockers(const LightView& view, const Mesh& mesh, const Footing& receivers,
+                                        float margin) {
+  std::vector<std::uint8_t> found(mesh.positions.size(), 0);
+  for (const uvec3& t : mesh.triangles) {
+    Box window;
+    float near = infinity;
+    bool behind = false;
+    for (int k = 0; k < 3; ++k) {
+      const vec3 p = mesh.positions[t[k]];
+      const float z = view.depth(p);
+      if (z > 0.0f) near = std::min(near, z), window.add(view.project(p, z));
+      else behind = true;
+    }
+    if (!(near < receivers.farthest)) continue;
+    const float reach = std::max(1.0f, margin) * view.width(near, receivers.farthest);
+    const bool meets = glm::all(glm::lessThanEqual(window.low, receivers.window.high + reach)) &&
+                       glm::all(glm::greaterThanEqual(window.high, receivers.window.low - reach));
+    if (meets || behind)
+      for (int k = 0; k < 3; ++k) found[t[k]] = 1;
+  }
+  return found;
+}
+
+/// The blockers: their box, and depths in front of the light.
+struct Blockers {
+  std::vector<vec3> points;
+  float near = infinity, far = 0.0f;
+  bool behind = false;  ///< a part of them is
+  vec3 low{infinity}, high{-infinity};
+};
+
+Blockers measure(const LightView& view, const Mesh& mesh, const Footing& receivers, float margin) {
+  const std::vector<std::uint8_t> found = find_blockers(view, mesh, receivers, margin);
+  Blockers blockers;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!found[i]) continue;
+    const vec3 p = mesh.positions[i];
+    const float z = view.depth(p);
+    blockers.points.push_back(p);
+    blockers.far = std::max(blockers.far, z);
+    if (z > 0.0f) blockers.near = std::min(blockers.near, z);
+    else blockers.behind = true;
+    blockers.low = glm::min(blockers.low, p), blockers.high = glm::max(blockers.high, p);
+  }
+  return blockers;
 }
 
 }  // namespace
@@ -77,39 +126,43 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
                           const LightViewSettings& settings, std::size_t& outside) {
   LightView view;
   outside = 0;
-  view.perspective = settings.perspective;
   view.resolution = settings.resolution;
   set_axes(light, settings.light_scale, view);
-  const Depths depths = measure(view, mesh);
+  view.perspective = true;  // low and density are still 0 and 1: project() and width() give q itself
+  const Footing footing = find_receivers(view, receivers);
+  const Blockers blockers = measure(view, mesh, footing, float(settings.margin));
+  view.perspective = settings.perspective;
   view.near = 1.0f;
-  view.farthest = farthest_receiver(view, receivers);
-  if (!(depths.far > 0.0f)) {  // nothing in front of the light: an empty map
+  view.farthest = footing.farthest;
+  if (!(blockers.far > 0.0f)) {  // nothing in front of the light: an empty map
     view.density = float(settings.resolution);
     return view;
   }
 
-  const Bounds box = bounds(mesh);
-  view.near = std::max(depths.near, 1e-3f * glm::length(box.extent()));
+  view.near = std::max(blockers.near, 1e-3f * glm::distance(blockers.low, blockers.high));
   if (!view.perspective) {
-    const vec3 to = box.centre() - view.centre;
-    const float distance = std::max(view.depth(box.centre()), view.near);
+    const vec3 middle = 0.5f * (blockers.low + blockers.high), to = middle - view.centre;
+    const float distance = std::max(view.depth(middle), view.near);
     view.shear = vec2(glm::dot(view.across_u, to), glm::dot(view.across_v, to)) / distance;
     view.spread /= distance;
   }
   const vec2 edges(glm::length(view.edge_u), glm::length(view.edge_v));
   const vec2 most = view.perspective ? vec2(6.0f) / edges : vec2(infinity);  // tan of 80 degrees
-  Box window;  // low and density are still 0 and 1: project() and widest() give q itself
-  for (const vec3& p : mesh.positions) {
+  Box window;
+  for (const vec3& p : blockers.points) {
     const float z = view.depth(p);
     if (!(z > 0.0f)) continue;
     const vec2 q = view.project(p, z);
     outside += z < view.near || glm::any(glm::greaterThan(glm::abs(q), most));
     window.add(q);
   }
-  if (view.perspective && depths.behind) window.add(-most), window.add(most);  // it may pass anywhere
+  if (view.perspective && blockers.behind) window.add(-most), window.add(most);  // it may pass anywhere
   const float widest = float(settings.margin) * view.widest();
-  window.low -= widest, window.high += widest;
-  window.cut(most);
+  window.grow(widest);
+  Box looked_at = view.perspective ? footing.window : find_receivers(view, receivers).window;
+  looked_at.grow(widest);
+  window.cut(looked_at);
+  window.cut({-most, most});
   const vec2 extent = window.high - window.low, middle = 0.5f * (window.low + window.high);
   const float edge = std::max({extent.x, extent.y, 1e-6f}) * (1.0f + 2.0f / float(settings.resolution));
   view.low = middle - 0.5f * edge;

@@ -21,7 +21,7 @@ struct LightView {
   vec3 across_u{1, 0, 0}, across_v{0, 0, 1};  ///< reciprocal: across_u . edge_u = 1, across_u . edge_v = 0
   vec2 shear{0.0f};                           ///< orthographic: edges sideways per metre of depth
   float spread = 1.0f;                        ///< s, or s / D, in texels
-  float near = 0.0f;                          ///< least depth of the occluder, m; > 0
+  float near = 0.0f;                          ///< least depth of what may shadow, m; > 0
   float farthest = 0.0f;                      ///< depth of the farthest receiver, m; 0 if none is in front
   vec2 low{0.0f};                             ///< q of the map's corner
   float density = 1.0f;                       ///< texels per unit of q
@@ -69,9 +69,9 @@ struct LightViewSettings {
   double margin = 1.0;       ///< widest region by which the map reaches past the occluder, in widths
 };
 
-/// Fits the map to the occluder, plus the widest region of any receiver, so that no region that sees a blocker is cut.
-/// `outside`: vertices in front of the light that the map cannot hold: farther than 80 degrees from the axis, or
-/// within a thousandth of the occluder's size of the light's plane.
+/// Fits the map to what of the occluder may shadow a receiver, plus the widest region of any receiver, so that no
+/// region that sees a blocker is cut. `outside`: vertices in front of the light that the map cannot hold: farther than
+/// 80 degrees from the axis, or within a thousandth of its size of the light's plane.
 LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receivers& receivers,
                           const LightViewSettings& settings, std::size_t& outside);
 

@@ -52,8 +52,7 @@ class RayTraced : public Technique {
       radiance[i] = vec3(0.0f);
       if (!receivers_->valid(i)) continue;
       const SampleSet& samples = samples_of(i, scratch);
-      radiance[i] =
-          receivers_->albedo[i] * estimate_radiance(rays_, receivers_->position[i], receivers_->normal[i], samples);
+      radiance[i] = receivers_->albedo[i] * estimate_radiance(rays_, receivers_->ray_origin(i), samples);
     }
   }
 

@@ -56,7 +56,7 @@ std::vector<Approximation> attribute(int order, const Receivers& receivers, cons
     const vec3 normal = receivers.normal[i];
     BitCube blocked(texel_edge);
     if (!receivers.on_occluder[i])
-      trace_texels(rays, receivers.position[i], normal, texels.light.directions, true, blocked);
+      trace_texels(rays, receivers.ray_origin(i), normal, texels.light.directions, true, blocked);
     light.radiance[i] = pixel_sum(texels.light, blocked, normal, receivers.albedo[i]);
     const std::vector<double> v = project_open(texels, blocked, size),
                               lobe = sh::rotate_zonal(sh::cosine_lobe(order), normal),

@@ -42,7 +42,7 @@ struct Reflecting {
 template <class Done>
 void find_blocked(const RayScene& rays, const DirectionSet& set, const Receivers& receivers, int i, bool packets,
                   Done done) {
-  const vec3 normal = receivers.normal[i], from = rays.lift(receivers.position[i], normal);
+  const vec3 normal = receivers.normal[i], from = receivers.ray_origin(i);
   const float far = std::numeric_limits<float>::infinity();
   const auto above = [&](int j) { return glm::dot(set.directions[j], normal) > 0.0f; };
   if (!packets) {
@@ -92,8 +92,7 @@ class Gatherer {
 
   /// The mesh reflects from its front; its back is black.
   void add_bounce(int i, int j, std::vector<Bounce>& bounces) const {
-    const vec3 from = rays_.lift(receivers_.position[i], receivers_.normal[i]);
-    const Hit hit = rays_.intersect(from, set_.directions[j]);
+    const Hit hit = rays_.intersect(receivers_.ray_origin(i), set_.directions[j]);
     if (!hit || glm::dot(hit.normal, set_.directions[j]) >= 0.0f) return;
     bounces.push_back({j, reflecting_->mesh->triangles[hit.triangle], {1.0f - hit.u - hit.v, hit.u, hit.v}});
   }
@@ -143,15 +142,6 @@ TransferVectors gather_all(const Request& request, const DirectionSet& set, cons
   return out;
 }
 
-/// The vertices of a mesh as receivers.
-Receivers vertices_of(const Mesh& mesh) {
-  Receivers out;
-  out.width = int(mesh.positions.size()), out.height = 1;
-  out.position = mesh.positions;
-  out.normal = vertex_normals(mesh);
-  return out;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> blocked_directions(const DirectionSet& set, const RayScene& rays, const Receivers& receivers,
@@ -172,7 +162,7 @@ TransferVectors compute_transfer(const Request& request, const DirectionSet& set
                                  const Mesh& mesh, const Receivers& receivers) {
   if (request.transfer != Transfer::interreflected || request.bounces == 0)
     return gather_all(request, set, rays, receivers, nullptr);
-  const Receivers vertices = vertices_of(mesh);
+  const Receivers vertices = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh);
   TransferVectors at_vertices;
   for (int bounce = 0; bounce < request.bounces; ++bounce) {
     const Reflecting before{&mesh, &at_vertices};

@@ -9,7 +9,7 @@ namespace {
 vec3 mean_weight(const LightSampler& sampler, vec3 position, vec3 normal, int k, std::uint64_t stream = 1) {
   LightSampler::Scratch scratch;
   sampler.draw(position, normal, k, stream, scratch);
-  return estimate_radiance(RayScene{Mesh{}}, position, normal, scratch.samples);
+  return estimate_radiance(RayScene{Mesh{}}, position, scratch.samples);
 }
 
 TEST(LightSampling, ConstantEnvironmentGivesOne) {
@@ -112,7 +112,7 @@ TEST(LightSampling, NormalisedSamplesGiveTheExactUnshadowedLight) {
   sampler.draw(vec3(0.0f), {0, 1, 0}, 7, 3, scratch);
   const vec3 exact = sampler.unshadowed({0, 1, 0});
   LightSampler::normalise(exact, scratch.samples);
-  const vec3 mean = estimate_radiance(RayScene{Mesh{}}, vec3(0.0f), {0, 1, 0}, scratch.samples);
+  const vec3 mean = estimate_radiance(RayScene{Mesh{}}, vec3(0.0f), scratch.samples);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c] / exact[c], 1.0f, 1e-5f);
 }
 

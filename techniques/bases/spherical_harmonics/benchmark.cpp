@@ -176,10 +176,7 @@ BENCHMARK(project_image)->Arg(4)->Arg(6)->Unit(benchmark::kMillisecond);
 /// of rays, 1 packets. The plain loop uses one core, packets all that the arena has.
 void transfer_precomputation(benchmark::State& state) {
   const Mesh mesh = make_torus_knot(2, 3, 198, 26);
-  Receivers receivers;
-  receivers.width = int(mesh.positions.size()), receivers.height = 1;
-  receivers.position = mesh.positions;
-  receivers.normal = vertex_normals(mesh);
+  const Receivers receivers = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh);
   const RayScene rays(mesh);
   const sh_lighting::DirectionSet set(4, 10000, 1);
   sh_lighting::Request request;

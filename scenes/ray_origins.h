@@ -1,0 +1,35 @@
+// Where the rays of a surface point start: the one place that knows how much a float rounds. Truth and techniques share
+// it, so that none sees a contact that another does not.
+//
+// A ray that leaves a surface must not meet it again by rounding. What rounds is the point itself, by some units in its
+// last place, and the height of a ray's origin over a triangle, which Embree computes from differences of corners and
+// origin: by some units in the last place of the triangle's own size, more for slivers. Nothing else does: not where
+// the scene lies beyond the point's own coordinates, not its unit, not what stands elsewhere (cf. Pharr, Jakob &
+// Humphreys 2016, section 3.9). So a ray starts beside its point by 16 such units of the triangles that the point lies
+// on.
+#pragma once
+
+#include "scenes/ray_scene.h"
+
+namespace penumbra {
+
+class RayOrigins {
+ public:
+  /// `rays` are of the mesh; both must outlive this.
+  RayOrigins(const Mesh& mesh, const RayScene& rays);
+
+  /// Origin of rays from `point` on the surface towards `side`, its unit geometric normal on the side that is shaded.
+  vec3 operator()(vec3 point, vec3 side) const { return point + distance(point) * side; }
+
+  /// How far beside the point they start, m; 0 where nothing is near and the point is zero.
+  float distance(vec3 point) const;
+
+ private:
+  double bound(const uvec3& triangle) const;
+
+  const Mesh& mesh_;
+  const RayScene& rays_;
+  double widest_ = 0.0;  ///< largest bound of a triangle, m
+};
+
+}  // namespace penumbra
