@@ -84,12 +84,12 @@ class PixelFinder {
   void place_on_mesh(const Hit& hit, vec3 towards, Receivers& r, std::size_t k, vec3& side) const {
     const uvec3 t = mesh_.triangles[hit.triangle];
     const dvec3 a = mesh_.positions[t.x], b = mesh_.positions[t.y], c = mesh_.positions[t.z];
-    const float w = 1.0f - hit.u - hit.v;
+    const double u = hit.u, v = hit.v, w = 1.0 - u - v;
     r.view_depth[k] = hit.distance;
-    r.position[k] = vec3(double(w) * a + double(hit.u) * b + double(hit.v) * c);
+    r.position[k] = vec3(w * a + u * b + v * c);
     r.on_occluder[k] = 1;
     side = vec3(glm::normalize(glm::cross(b - a, c - a)));
-    vec3 n = w * normals_[t.x] + hit.u * normals_[t.y] + hit.v * normals_[t.z];
+    vec3 n = float(w) * normals_[t.x] + hit.u * normals_[t.y] + hit.v * normals_[t.z];
     if (glm::dot(n, n) == 0.0f) n = side;
     if (glm::dot(side, towards) > 0.0f) side = -side, n = -n;  // a back face
     r.normal[k] = glm::normalize(n);
