@@ -66,7 +66,7 @@ class StageEvents {
 /// Receivers as kernels see them.
 struct ReceiverSpans {
   Span<const vec3> position, normal, albedo;
-  Span<const std::uint8_t> on_occluder;
+  Span<const std::uint8_t> on_occluder, touches;
   int width = 0, height = 0;
   __device__ bool valid(std::size_t i) const { return normal[i] != vec3(0.0f); }
 };
@@ -78,16 +78,19 @@ class DeviceReceivers {
     normal_.upload(stream, r.normal);
     albedo_.upload(stream, r.albedo);
     on_occluder_.upload(stream, r.on_occluder);
+    touches_.upload(stream, r.in_contact());
     width_ = r.width, height_ = r.height;
   }
   ReceiverSpans spans() const {
-    return {position_.span(), normal_.span(), albedo_.span(), on_occluder_.span(), width_, height_};
+    return {position_.span(), normal_.span(), albedo_.span(), on_occluder_.span(), touches_.span(), width_, height_};
   }
-  std::size_t bytes() const { return position_.bytes() + normal_.bytes() + albedo_.bytes() + on_occluder_.bytes(); }
+  std::size_t bytes() const {
+    return position_.bytes() + normal_.bytes() + albedo_.bytes() + on_occluder_.bytes() + touches_.bytes();
+  }
 
  private:
   Buffer<vec3> position_, normal_, albedo_;
-  Buffer<std::uint8_t> on_occluder_;
+  Buffer<std::uint8_t> on_occluder_, touches_;
   int width_ = 0, height_ = 0;
 };
 

@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(threads)
   const std::size_t i = global_thread();
   if (i >= r.count) return;
   const pcss::Projected at =
-      pcss::project(view, bias, receivers.position[i], receivers.normal[i], receivers.on_occluder[i] != 0);
+      pcss::project(view, bias, receivers.position[i], receivers.normal[i], receivers.touches[i] != 0);
   r.at[i] = at;
   take_region(r, i, pcss::search_region(view, levels, options, at.x, at.y, at.depth));
   tally(options.refine ? 120 : 60);

@@ -15,16 +15,13 @@ namespace penumbra {
 /// The middle of a scene's receivers, `edge` x `edge` at most: neighbours stay neighbours.
 inline Scene middle_of(const Scene& scene, int edge) {
   const Receivers& all = scene.receivers;
+  const int width = std::min(edge, all.width), height = std::min(edge, all.height);
+  const int left = (all.width - width) / 2, top = (all.height - height) / 2;
+  std::vector<std::size_t> which;
+  for (int y = top; y < top + height; ++y)
+    for (int x = left; x < left + width; ++x) which.push_back(std::size_t(y) * std::size_t(all.width) + std::size_t(x));
   Scene out = scene;
-  Receivers& r = out.receivers = {};
-  r.width = std::min(edge, all.width), r.height = std::min(edge, all.height);
-  const int left = (all.width - r.width) / 2, top = (all.height - r.height) / 2;
-  for (int y = top; y < top + r.height; ++y)
-    for (int x = left; x < left + r.width; ++x) {
-      const std::size_t i = std::size_t(y) * std::size_t(all.width) + std::size_t(x);
-      r.position.push_back(all.position[i]), r.normal.push_back(all.normal[i]);
-      r.albedo.push_back(all.albedo[i]), r.on_occluder.push_back(all.on_occluder[i]);
-    }
+  out.receivers = subset(all, which, width, height);
   return out;
 }
 

@@ -9,20 +9,11 @@ Scene thinned(const Scene& scene, int edge) {
   const Receivers& all = scene.receivers;
   const int most_x = all.height == 1 ? edge * edge : edge;
   const int step_x = (all.width + most_x - 1) / most_x, step_y = (all.height + edge - 1) / edge;
-  Scene out = scene;
-  Receivers& r = out.receivers = {};
-  r.width = (all.width + step_x - 1) / step_x;
-  r.height = (all.height + step_y - 1) / step_y;
+  std::vector<std::size_t> which;
   for (int y = 0; y < all.height; y += step_y)
-    for (int x = 0; x < all.width; x += step_x) {
-      const std::size_t i = std::size_t(y) * all.width + x;
-      r.position.push_back(all.position[i]);
-      r.normal.push_back(all.normal[i]);
-      r.albedo.push_back(all.albedo[i]);
-      if (!all.origin.empty()) r.origin.push_back(all.origin[i]);
-      r.on_occluder.push_back(all.on_occluder[i]);
-      if (!all.view_depth.empty()) r.view_depth.push_back(all.view_depth[i]);
-    }
+    for (int x = 0; x < all.width; x += step_x) which.push_back(std::size_t(y) * all.width + x);
+  Scene out = scene;
+  out.receivers = subset(all, which, (all.width + step_x - 1) / step_x, (all.height + step_y - 1) / step_y);
   return out;
 }
 

@@ -30,6 +30,16 @@ Mesh narrowed(const ImportedMesh& mesh) {
   return narrowed(mesh, local_origin(box.centre(), std::max({extent.x, extent.y, extent.z})));
 }
 
+std::size_t count_coarse(const Mesh& mesh) {
+  const auto coarse = [&](const uvec3& t) {
+    const dvec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
+    const double edge = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+    const double away = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+    return away * 0x1p-24 > 1e-3 * edge && edge > 0.0;
+  };
+  return std::size_t(std::count_if(mesh.triangles.begin(), mesh.triangles.end(), coarse));
+}
+
 ImportedMesh widened(const Mesh& mesh) {
   ImportedMesh out{{}, mesh.triangles, mesh.normals};
   out.positions.reserve(mesh.positions.size());

@@ -43,6 +43,10 @@ Mesh narrowed(const ImportedMesh& mesh, dvec3 origin);
 Mesh narrowed(const ImportedMesh& mesh);
 ImportedMesh widened(const Mesh& mesh);
 
+/// Triangles that are so small beside their distance from the origin that float rounds their corners by more than a
+/// thousandth of their longest edge.
+std::size_t count_coarse(const Mesh& mesh);
+
 /// A file's mesh (scenes/import/import.h) about an origin of its own. Throws Error.
 Mesh load_mesh(const std::string& path);
 

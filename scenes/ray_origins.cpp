@@ -30,19 +30,22 @@ double RayOrigins::bound(const uvec3& t) const {
   return rounding * shape * edge[2];
 }
 
-float RayOrigins::distance(vec3 point) const {
+RayOrigins::Contact RayOrigins::contact(vec3 point) const {
   const double own = rounding * largest_coordinate(point);
   double distance = own;
+  bool touches = false;
   const auto look_at = [&](unsigned k) {
     const uvec3& t = mesh_.triangles[k];
     const double needed = own + bound(t);
-    if (needed <= distance) return;
+    if (touches && needed <= distance) return;
     const dvec3 near = nearest_point(dvec3(point), dvec3(mesh_.positions[t.x]), dvec3(mesh_.positions[t.y]),
                                      dvec3(mesh_.positions[t.z]));
-    if (glm::distance(near, dvec3(point)) <= needed) distance = needed;
+    if (glm::distance(near, dvec3(point)) > needed) return;
+    distance = std::max(distance, needed);
+    touches = true;
   };
   rays_.triangles_near(point, float(own + widest_), look_at);
-  return float(distance);
+  return {float(distance), touches};
 }
 
 }  // namespace penumbra

@@ -18,11 +18,11 @@ class RayOrigins {
   /// `rays` are of the mesh; both must outlive this.
   RayOrigins(const Mesh& mesh, const RayScene& rays);
 
-  /// Origin of rays from `point` on the surface towards `side`, its unit geometric normal on the side that is shaded.
-  vec3 operator()(vec3 point, vec3 side) const { return point + distance(point) * side; }
-
-  /// How far beside the point they start, m; 0 where nothing is near and the point is zero.
-  float distance(vec3 point) const;
+  struct Contact {
+    float distance;  ///< beside the point, m, at which its rays start; 0 where nothing is near and the point is zero
+    bool touches;    ///< the point lies on a triangle of the mesh
+  };
+  Contact contact(vec3 point) const;
 
  private:
   double bound(const uvec3& triangle) const;

@@ -12,9 +12,14 @@ namespace {
 
 void place_origins(Receivers& r, const std::vector<vec3>& side, const RayOrigins& origins) {
   r.origin = r.position;
+  r.touches.assign(r.position.size(), 0);
   tbb::parallel_for(tbb::blocked_range<int>(0, r.size(), 256), [&](const tbb::blocked_range<int>& range) {
     for (int i = range.begin(); i < range.end(); ++i)
-      if (r.valid(i)) r.origin[i] = origins(r.position[i], side[i]);
+      if (r.valid(i)) {
+        const RayOrigins::Contact contact = origins.contact(r.position[i]);
+        r.origin[i] += contact.distance * side[i];
+        r.touches[i] = contact.touches;
+      }
   });
 }
 
@@ -123,6 +128,20 @@ Receivers through_camera(const Camera& camera, const Mesh& mesh) {
 }
 
 }  // namespace
+
+Receivers subset(const Receivers& all, const std::vector<std::size_t>& which, int width, int height) {
+  Receivers r;
+  r.width = width, r.height = height;
+  const auto take = [&](auto& to, const auto& from) {
+    if (from.empty()) return;
+    to.reserve(which.size());
+    for (const std::size_t i : which) to.push_back(from[i]);
+  };
+  take(r.position, all.position), take(r.normal, all.normal), take(r.albedo, all.albedo);
+  take(r.origin, all.origin), take(r.touches, all.touches);
+  take(r.view_depth, all.view_depth), take(r.on_occluder, all.on_occluder);
+  return r;
+}
 
 Receivers make_receivers(const ReceiverSpec& spec, const Mesh& mesh) {
   Receivers r;

@@ -15,6 +15,7 @@ struct Receivers {
   int width = 0, height = 0;
   std::vector<vec3> position, normal, albedo;
   std::vector<vec3> origin;               ///< where rays from the point start (scenes/ray_origins.h)
+  std::vector<std::uint8_t> touches;      ///< 1 where the point lies on a triangle of the mesh, be it its own or not
   std::vector<float> view_depth;          ///< distance to the camera, m; infinity where nothing is seen; camera only
   std::vector<std::uint8_t> on_occluder;  ///< 1 where the point lies on the mesh: its own spheres are skipped there
 
@@ -22,6 +23,8 @@ struct Receivers {
   bool valid(int i) const { return normal[i] != vec3(0.0f); }
   /// Points that touch nothing need no origins of their own.
   vec3 ray_origin(int i) const { return origin.empty() ? position[i] : origin[i]; }
+  /// Where depths of the mesh need a bias. Receivers without contacts of their own touch what they lie on.
+  const std::vector<std::uint8_t>& in_contact() const { return touches.empty() ? on_occluder : touches; }
 };
 
 struct PlaneGrid {
@@ -43,6 +46,9 @@ struct ReceiverSpec {
   std::variant<PlaneGrid, MeshVertices, Camera> kind;
   vec3 albedo{1.0f};
 };
+
+/// Those that `which` lists, as width x height.
+Receivers subset(const Receivers& all, const std::vector<std::size_t>& which, int width, int height);
 
 /// Positions receivers and their rays' origins; camera pixels are found by Embree primary rays through pixel centres.
 /// Receivers on the mesh are shaded with its normals, and on the side that the camera sees or the triangles face.

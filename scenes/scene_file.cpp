@@ -1,6 +1,8 @@
 #include "scenes/scene_file.h"
 
 #include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
 #include <filesystem>
 
 #include "scenes/assets.h"
@@ -291,6 +293,11 @@ Scene load_scene(const std::string& name_or_path, const SphereChoice& choice) {
   file.finish();
   scene.mesh = narrowed(occluder.mesh, scene.origin);
   if (!scene.mesh.empty()) validate(scene.mesh, scene.name);
+  if (const std::size_t coarse = count_coarse(scene.mesh))
+    spdlog::warn(
+        "{}: {} of {} triangles lie so far from the receivers that single precision rounds their corners by more than "
+        "a thousandth of their size",
+        scene.name, coarse, scene.mesh.triangles.size());
   scene.spheres = narrowed(occluder.spheres, scene.origin);
   scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
   return scene;

@@ -23,7 +23,7 @@ std::vector<Parameter> AreaShadow::parameters() {
                            "factor on the light's edges when regions are made; 0: a point, 2: the doubled width of "
                            "common shaders"),
           number_parameter("margin", 1.0, 0.0, 4.0, "region widths", "how far the map reaches past the occluder"),
-          number_parameter("bias", 1.0, 0.0, 100.0, "map texels", "depth bias of receivers on the occluder")};
+          number_parameter("bias", 1.0, 0.0, 100.0, "map texels", "depth bias of receivers on triangles of the mesh")};
 }
 
 void AreaShadow::for_ranges(int count, int grain, const std::function<void(int, int)>& work) const {

@@ -119,7 +119,7 @@ void Project(const LightView& view, const Receivers& r, float bias, Tile& tile) 
       const std::size_t first = tile.first(row, r.width) + std::size_t(column);
       const int k = row * tile.columns + column;  // a vector that reaches into the next row is overwritten by it
       alignas(64) float on[Tile::padding] = {};
-      for (int lane = 0; lane < count; ++lane) on[lane] = float(r.on_occluder[first + std::size_t(lane)]);
+      for (int lane = 0; lane < count; ++lane) on[lane] = float(r.in_contact()[first + std::size_t(lane)]);
       WithVectors(r, first, count, [&](const Vector3& p, const Vector3& n) {
         const Vector3 to = Minus(p, All(view.centre));
         const VF z = Dot(All(view.normal), to);

@@ -37,7 +37,8 @@ void trace(const RayScene& rays, ShadowMap& map) {
 void project(const LightView& view, const Receivers& receivers, float bias, Tile& tile) {
   for (int k = 0; k < tile.size(); ++k) {
     const std::size_t i = tile.first(k / tile.columns, receivers.width) + std::size_t(k % tile.columns);
-    const Projected at = project(view, bias, receivers.position[i], receivers.normal[i], receivers.on_occluder[i] != 0);
+    const Projected at =
+        project(view, bias, receivers.position[i], receivers.normal[i], receivers.in_contact()[i] != 0);
     tile.x[k] = at.x, tile.y[k] = at.y, tile.depth[k] = at.depth;
   }
 }

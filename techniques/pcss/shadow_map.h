@@ -23,7 +23,7 @@ struct ShadowMap {
 /// Traces map.view; rays through texel centres, packets of 16, rows in parallel.
 void trace(const RayScene& rays, ShadowMap& map);
 
-/// Depth bias of a receiver that lies on the occluder itself, in texels of the map: the plane through it may rise by
+/// Depth bias of a receiver that lies on a triangle of the mesh, in texels of the map: the plane through it may rise by
 /// the tangent of its angle to the light over each of them. Receivers elsewhere need none, the map does not hold them.
 PENUMBRA_HD inline float depth_bias(const LightView& view, float texels, vec3 position, vec3 normal, float z) {
   const vec3 to_light = view.centre - position;
@@ -38,11 +38,11 @@ PENUMBRA_HD inline float depth_bias(const LightView& view, float texels, vec3 po
 struct Projected {
   float x = 0.0f, y = 0.0f, depth = 0.0f;
 };
-PENUMBRA_HD inline Projected project(const LightView& view, float bias, vec3 p, vec3 normal, bool on_occluder) {
+PENUMBRA_HD inline Projected project(const LightView& view, float bias, vec3 p, vec3 normal, bool touches) {
   const float z = view.depth(p);
   if (normal == vec3(0.0f) || !(z > 0.0f)) return {};
   const vec2 at = view.project(p, z);
-  const float d = on_occluder ? z - depth_bias(view, bias, p, normal, z) : z;
+  const float d = touches ? z - depth_bias(view, bias, p, normal, z) : z;
   if (!(std::abs(at.x) < 1e6f && std::abs(at.y) < 1e6f && d > 0.0f)) return {};
   return {at.x, at.y, d};
 }

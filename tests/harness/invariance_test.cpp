@@ -32,10 +32,9 @@ std::string write_obj(const Scene& scene, const Placement& place, const test::Te
     const dvec3 q = place(scene.origin + dvec3(p));
     obj += fmt::format("v {:.17g} {:.17g} {:.17g}\n", q.x, q.y, q.z);
   }
-  for (const vec3& n : scene.mesh.normals) obj += fmt::format("vn {:.9g} {:.9g} {:.9g}\n", n.x, n.y, n.z);
+  for (const vec3& n : vertex_normals(scene.mesh)) obj += fmt::format("vn {:.9g} {:.9g} {:.9g}\n", n.x, n.y, n.z);
   for (const uvec3& t : scene.mesh.triangles)
-    obj += scene.mesh.normals.empty() ? fmt::format("f {} {} {}\n", t.x + 1, t.y + 1, t.z + 1)
-                                      : fmt::format("f {0}//{0} {1}//{1} {2}//{2}\n", t.x + 1, t.y + 1, t.z + 1);
+    obj += fmt::format("f {0}//{0} {1}//{1} {2}//{2}\n", t.x + 1, t.y + 1, t.z + 1);
   return folder.write("mesh.obj", obj);
 }
 

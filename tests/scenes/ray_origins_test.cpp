@@ -45,7 +45,8 @@ int own_hits(std::mt19937& random, double size, double away, double thinness, in
     if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
     const dvec3 side = k % 2 ? normal : -normal;
     const vec3 point(a + u * (b - a) + v * (c - a));
-    hits += bool(rays.intersect(origins(point, vec3(side)), rising(random, side)));
+    const vec3 origin = point + origins.contact(point).distance * vec3(side);
+    hits += bool(rays.intersect(origin, rising(random, side)));
   }
   return hits;
 }
@@ -66,8 +67,10 @@ TEST(RayOrigins, AGroundOfAnySizeDoesNotShadowItself) {
     const Receivers r = make_receivers({PlaneGrid{1.0f, 16, 0.0f}, vec3(1.0f)}, ground);
     const RayScene rays(ground);
     for (int i = 0; i < r.size(); ++i)
-      for (int k = 0; k < 50; ++k)
+      for (int k = 0; k < 50; ++k) {
+        ASSERT_TRUE(r.touches[i]);
         ASSERT_FALSE(rays.occluded(r.ray_origin(i), rising(random, {0, 1, 0}), INFINITY)) << extent;
+      }
   }
 }
 
