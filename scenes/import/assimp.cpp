@@ -1,4 +1,5 @@
 #include <assimp/commonMetaData.h>
+#include <assimp/config.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
@@ -51,12 +52,6 @@ void append(const aiScene& scene, const aiNode& node, const dmat4& parent, const
   for (unsigned c = 0; c < node.mNumChildren; ++c) append(scene, *node.mChildren[c], to_world, path, out);
 }
 
-/// STL's normals are those of its facets; many writers leave them zero.
-void fill_in_facet_normals(RawMesh& mesh) {
-  for (RawTriangle& t : mesh.triangles)
-    if (t.corners[0].normal == no_normal || mesh.normals[t.corners[0].normal] == dvec3(0.0)) mesh.make_flat(t);
-}
-
 bool comes_from(const aiScene& scene, std::initializer_list<std::string_view> formats) {
   aiString source;
   if (!scene.mMetaData || !scene.mMetaData->Get(AI_METADATA_SOURCE_FORMAT, source)) return false;
@@ -68,12 +63,13 @@ bool comes_from(const aiScene& scene, std::initializer_list<std::string_view> fo
 
 RawMesh read_with_assimp(const std::string& path, Outbox&) {
   Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // else bones become bodies
   const aiScene* scene = importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode)
     throw Error("{}: cannot be read as a mesh ({}); save it as OBJ, PLY or glTF", path, importer.GetErrorString());
   RawMesh mesh;
   append(*scene, *scene->mRootNode, dmat4(1.0), path, mesh);
-  if (comes_from(*scene, {"STL"})) fill_in_facet_normals(mesh);
+  mesh.facets = comes_from(*scene, {"STL"});
   if (comes_from(*scene, {"3DS", "ASE", "LWO"}))  // Assimp makes their normals from the triangles and their groups
     for (RawTriangle& t : mesh.triangles) t.file_normals = false;
   mesh.spacing = float_spacing(mesh.positions);

@@ -11,13 +11,25 @@ using glm::dmat3;
 using glm::dmat4;
 using nlohmann::json;
 
+constexpr std::string_view draco_extension = "KHR_draco_mesh_compression";
+
 /// Whether a surface stays where it is without the extension.
 bool leaves_geometry(std::string_view extension) {
-  constexpr std::string_view kinds[] = {
-      "KHR_materials_", "KHR_texture_",         "KHR_lights_",          "KHR_animation_",
-      "KHR_xmp",        "KHR_techniques_webgl", "EXT_texture_",         "EXT_lights_",
-      "MSFT_texture_",  "MSFT_packing_",        "KHR_mesh_quantization"};
+  constexpr std::string_view kinds[] = {"KHR_materials_", "KHR_texture_",  "KHR_lights_",          "KHR_animation_",
+                                        "KHR_xmp",        "KHR_technique", "EXT_texture_",         "EXT_lights_",
+                                        "MSFT_texture_",  "MSFT_packing_", "KHR_mesh_quantization"};
   return std::any_of(std::begin(kinds), std::end(kinds), [&](auto kind) { return extension.starts_with(kind); });
+}
+
+/// Assimp decodes Draco, but does not know what else may be required beside it.
+bool needs_draco(const json& root) {
+  bool draco = false;
+  for (const std::string& extension : root.value("extensionsRequired", std::vector<std::string>())) {
+    if (extension == "KHR_mesh_quantization" || (extension != draco_extension && !leaves_geometry(extension)))
+      return false;
+    draco |= extension == draco_extension;
+  }
+  return draco;
 }
 
 dmat4 transform_of(const json& node, const GltfDocument& file) {
@@ -70,7 +82,7 @@ void GltfReader::check_extensions() {
       file_.fail("requires the extension {}, which is not understood; save it without (gltf-transform or Blender can)",
                  extension);
   for (const std::string& extension : root.value("extensionsUsed", std::vector<std::string>()))
-    if (!leaves_geometry(extension) && extension != "KHR_draco_mesh_compression" &&
+    if (!leaves_geometry(extension) && extension != draco_extension &&
         extension != "EXT_meshopt_compression")  // optional: the same mesh is there uncompressed
       says_.warn(fmt::format("{}: the optional extension {} is not understood and left out", path_, extension));
 }
@@ -172,6 +184,12 @@ void GltfReader::add_primitive(const json& primitive, const dmat4& to_world) {
 RawMesh read_gltf(const std::string& path, Outbox& says) {
   GltfDocument file(path);
   if (file.version_1()) return read_with_assimp(path, says);
+  if (needs_draco(file.root())) {
+    RawMesh mesh = read_with_assimp(path, says);
+    for (RawTriangle& t : mesh.triangles)
+      if (!t.file_normals) mesh.make_flat(t);
+    return mesh;
+  }
   return GltfReader(file, path, says).read();
 }
 

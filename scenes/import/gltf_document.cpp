@@ -106,10 +106,10 @@ GltfDocument::GltfDocument(const std::string& path) : path_(path) {
   if (version_1_) return;
   root_ = json::parse(text, nullptr, false);
   if (!root_.is_object()) fail("is not glTF: its JSON cannot be read; save it again as glTF or GLB");
-  const std::string version = root_.value("asset", json::object()).value("version", "");
-  version_1_ = version.starts_with("1.");
-  if (!version_1_ && !version.starts_with("2."))
-    fail("glTF of version '{}' is not known; save it as glTF 2.0", version);
+  const json about = root_.value("asset", json::object()).value("version", json());
+  const std::string version = about.is_string() ? about.get<std::string>() : about.dump();
+  version_1_ = version.starts_with("1") || root_.value("meshes", json()).is_object();
+  if (!version_1_ && !version.starts_with("2.")) fail("glTF of version {} is not known; save it as glTF 2.0", version);
 }
 
 /// The JSON of a GLB; keeps its binary chunk.

@@ -78,31 +78,19 @@ bool finite(dvec3 p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-std::vector<vec3> unit_or_zero(const std::vector<dvec3>& normals) {
-  std::vector<vec3> out;
-  out.reserve(normals.size());
-  for (const dvec3& n : normals) {
-    const double largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
-    out.push_back(finite(n) && largest > 0.0 ? vec3(glm::normalize(n / largest)) : vec3(0.0f));
-  }
-  return out;
-}
-
-/// Triangles with three different places, all finite.
-std::vector<RawTriangle> usable(const RawMesh& raw, const std::vector<unsigned>& place, const std::string& path) {
-  std::vector<RawTriangle> out;
-  out.reserve(raw.triangles.size());
-  for (const RawTriangle& t : raw.triangles) {
+/// Leaves triangles with three different places.
+void drop_degenerate(RawMesh& raw, const std::vector<unsigned>& place, const std::string& path) {
+  for (const RawTriangle& t : raw.triangles)
     for (const Corner& corner : t.corners) {
       const dvec3& p = raw.positions[corner.position];
       if (!finite(p))
         throw Error("{}: vertex {} is not finite ({}, {}, {}); repair the mesh and save it again", path,
                     corner.position, p.x, p.y, p.z);
     }
+  std::erase_if(raw.triangles, [&](const RawTriangle& t) {
     const unsigned a = place[t.corners[0].position], b = place[t.corners[1].position], c = place[t.corners[2].position];
-    if (a != b && b != c && c != a) out.push_back(t);
-  }
-  return out;
+    return a == b || b == c || c == a;
+  });
 }
 
 void say_precision(const RawMesh& raw, const ImportedMesh& mesh, const std::string& path, Outbox& says) {
@@ -152,30 +140,37 @@ std::vector<unsigned> equal_places(const std::vector<dvec3>& positions) {
   return out;
 }
 
-ImportedMesh assemble(const RawMesh& raw, const std::string& path, Outbox& says) {
+dvec3 unit_or_zero(dvec3 normal) {
+  const double largest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
+  return finite(normal) && largest > 0.0 ? glm::normalize(normal / largest) : dvec3(0.0);
+}
+
+ImportedMesh assemble(RawMesh raw, const std::string& path, Outbox& says) {
+  if (raw.positions.size() > no_normal / 4)
+    throw Error("{}: too many vertices ({}); simplify the mesh", path, raw.positions.size());
   const std::vector<unsigned> place = equal_places(raw.positions);
-  const std::vector<vec3> normals = unit_or_zero(raw.normals);
-  const std::vector<RawTriangle> triangles = usable(raw, place, path);
-  if (triangles.empty())
+  drop_degenerate(raw, place, path);
+  if (raw.triangles.empty())
     throw Error("{}: the mesh has no triangles; give a surface of faces, not points, lines or curves", path);
-  if (place.size() > std::numeric_limits<unsigned>::max() / 4)
-    throw Error("{}: too many vertices ({}); simplify the mesh", path, place.size());
+  turn_to_normals(raw, place, path, says);
 
   ImportedMesh mesh;
   Numbering<PlaceAndNormal, PlaceAndNormalHash> vertices(raw.positions.size());
   std::vector<Corner> latest(raw.positions.size(), {no_normal, no_normal});  // vertex and normal that a position had
   bool has_normals = false;
-  for (const RawTriangle& t : triangles) {
+  for (const RawTriangle& t : raw.triangles) {
     uvec3 triangle;
     for (int k = 0; k < 3; ++k) {
       const Corner corner = t.corners[std::size_t(k)];
       Corner& known = latest[corner.position];
       if (known.position == no_normal || known.normal != corner.normal) {
-        const vec3 normal = corner.normal < normals.size() ? normals[corner.normal] : vec3(0.0f);
+        const vec3 normal = corner.normal == no_normal ? vec3(0.0f) : vec3(unit_or_zero(raw.normals[corner.normal]));
         const auto fresh = static_cast<unsigned>(mesh.positions.size());
         known = {vertices.number({place[corner.position], normal}, fresh), corner.normal};
-        if (known.position == fresh)
-          mesh.positions.push_back(raw.positions[corner.position]), mesh.normals.push_back(normal);
+        if (known.position == fresh) {
+          mesh.positions.push_back(raw.positions[corner.position]);
+          mesh.normals.push_back(normal);
+        }
         has_normals |= normal != vec3(0.0f);
       }
       triangle[k] = known.position;
@@ -183,7 +178,6 @@ ImportedMesh assemble(const RawMesh& raw, const std::string& path, Outbox& says)
     mesh.triangles.push_back(triangle);
   }
   if (!has_normals) mesh.normals.clear();
-  if (has_normals) turn_to_normals(mesh, triangles, place, path, says);
   say_precision(raw, mesh, path, says);
   return mesh;
 }

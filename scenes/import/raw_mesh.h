@@ -28,6 +28,7 @@ struct RawMesh {
   std::vector<dvec3> positions;
   std::vector<dvec3> normals;  ///< of any length; zero or not finite: not given
   std::vector<RawTriangle> triangles;
+  bool facets = false;  ///< normals are of single triangles, as in STL: they repeat the winding, often wrongly
   /// Distance of neighbouring numbers where the coordinates are largest, in units of the file, if they come in single
   /// precision; 0 if not.
   double spacing = 0.0;
@@ -42,14 +43,16 @@ struct RawMesh {
 /// Distance of neighbouring single-precision numbers at the largest coordinate.
 double float_spacing(std::span<const dvec3> positions);
 
+/// Of any length but zero and infinite ones, which mean nothing and become zero.
+dvec3 unit_or_zero(dvec3 normal);
+
 /// For each position, the number of the first equal one (0 and -0 are equal).
 std::vector<unsigned> equal_places(const std::vector<dvec3>& positions);
 
-/// Joins corners of equal position and normal in the order of first use, drops what belongs to no triangle and
-/// triangles with two corners in one place, and turns around what is wound against the file's normals: as a whole what
-/// hangs together by edges along which the winding agrees, by vote of area, so that a closed surface stays closed.
-/// `says` gets a line about what was turned and about lost precision.
-/// Throws Error naming `path` if no triangle is left or a vertex of one is not finite.
-ImportedMesh assemble(const RawMesh& raw, const std::string& path, Outbox& says);
+/// Turns around what is wound against the file's normals (turn.h), joins corners of equal position and normal in the
+/// order of first use, and drops triangles with two corners in one place and what belongs to no triangle. `says` gets a
+/// line about what was turned and about lost precision. Throws Error naming `path` if no triangle is left or a vertex
+/// of one is not finite.
+ImportedMesh assemble(RawMesh raw, const std::string& path, Outbox& says);
 
 }  // namespace penumbra

@@ -5,9 +5,10 @@
 
 namespace penumbra {
 
-/// Turns triangles of `mesh` around that are wound against the normals that the file gave for them. `raw` holds the
-/// same triangles, `place` numbers their positions by equality. See assemble().
-void turn_to_normals(ImportedMesh& mesh, const std::vector<RawTriangle>& raw, const std::vector<unsigned>& place,
-                     const std::string& path, Outbox& says);
+/// Turns triangles around that are wound against the normals that the file gives: as a whole what hangs together by
+/// edges along which the winding agrees, by vote of area, so that a closed surface stays closed. Where the normals are
+/// of facets, and so say again what the winding says, a surface that encloses its volume is left as it is, and all
+/// become flat. `place` numbers positions by equality; `says` gets a line about what was turned.
+void turn_to_normals(RawMesh& mesh, const std::vector<unsigned>& place, const std::string& path, Outbox& says);
 
 }  // namespace penumbra

@@ -28,9 +28,9 @@ std::vector<Facet> facets() {
   return out;
 }
 
-std::string ascii_stl(bool normals) {
+std::string ascii_stl(const std::vector<Facet>& all, bool normals = true) {
   std::string text = "solid box\n";
-  for (const Facet& f : facets()) {
+  for (const Facet& f : all) {
     const dvec3 n = normals ? f.normal : dvec3(0.0);
     text += fmt::format("facet normal {} {} {}\nouter loop\n", n.x, n.y, n.z);
     for (const dvec3& c : f.corners) text += fmt::format("vertex {} {} {}\n", c.x, c.y, c.z);
@@ -63,11 +63,24 @@ TEST_F(Import, Off) {
 
 TEST_F(Import, StlIsFlat) {
   for (const bool normals : {true, false})
-    for (const std::string& text : {ascii_stl(normals), binary_stl(normals)}) {
+    for (const std::string& text : {ascii_stl(facets(), normals), binary_stl(normals)}) {
       const ImportedMesh mesh = read("a.stl", text);
       expect_box(mesh, "STL", 24);
       expect_flat(mesh, "STL");
     }
+}
+
+/// The facets' normals repeat the winding: where they contradict it, the volume tells which is right.
+TEST_F(Import, StlWithWrongNormals) {
+  std::vector<Facet> all = facets();
+  for (Facet& f : all) f.normal = -f.normal;
+  expect_flat(read("normals.stl", ascii_stl(all)), "outward winding, inward normals");
+  for (Facet& f : all) f.normal = -f.normal, std::swap(f.corners[1], f.corners[2]);
+  const ImportedMesh mesh = read("winding.stl", ascii_stl(all));
+  expect_box(mesh, "inward winding, outward normals", 24);
+  expect_flat(mesh, "inward winding, outward normals");
+  for (Facet& f : all) f.normal = -f.normal;
+  EXPECT_NEAR(volume(read("room.stl", ascii_stl(all))), -0.216, 1e-7) << "both inward";
 }
 
 TEST_F(Import, ColladaNodesThatMirror) {
@@ -93,6 +106,13 @@ TEST_F(Import, ThreeDsKeepsItsSmoothingGroups) {
   ASSERT_EQ(horse.normals.size(), horse.positions.size());
   EXPECT_GT(horse.triangles.size(), horse.positions.size());
   for (const vec3& n : horse.normals) EXPECT_NEAR(glm::length(n), 1.0f, 1e-5f);
+}
+
+TEST_F(Import, SkeletonsAreNoBodies) {
+  EXPECT_THAT(error("walk.bvh",
+                    "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\n"
+                    "OFFSET 0 1 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.03\n0 0 0\n"),
+              HasSubstr("walk.bvh: "));
 }
 
 TEST_F(Import, FilesOfNoKindAreRefused) {
