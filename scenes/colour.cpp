@@ -29,11 +29,6 @@ Chromaticities chromaticities_from(const double (&xy)[8]) {
   return {{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
 }
 
-bool nearly_equal(const Chromaticities& a, const Chromaticities& b) {
-  const auto near = [](glm::dvec2 p, glm::dvec2 q) { return std::abs(p.x - q.x) < 1e-3 && std::abs(p.y - q.y) < 1e-3; };
-  return near(a.red, b.red) && near(a.green, b.green) && near(a.blue, b.blue) && near(a.white, b.white);
-}
-
 std::string to_string(const Chromaticities& p) {
   return fmt::format("red {:.4g} {:.4g}, green {:.4g} {:.4g}, blue {:.4g} {:.4g}, white {:.4g} {:.4g}", p.red.x,
                      p.red.y, p.green.x, p.green.y, p.blue.x, p.blue.y, p.white.x, p.white.y);
@@ -50,6 +45,14 @@ glm::dmat3 xyz_from_rgb(const Chromaticities& p) {
 
 glm::dmat3 convert_primaries(const Chromaticities& from, const Chromaticities& to) {
   return glm::inverse(xyz_from_rgb(to)) * adaptation(white_of(from), white_of(to)) * xyz_from_rgb(from);
+}
+
+bool same_colours(const Chromaticities& a, const Chromaticities& b) {
+  const glm::dmat3 change = convert_primaries(a, b) - glm::dmat3(1.0);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      if (std::abs(change[column][row]) > 2e-3) return false;
+  return true;
 }
 
 vec3 rgb_from_chroma(float y, float ry, float by, const Chromaticities& primaries) {

@@ -18,7 +18,6 @@ inline constexpr Chromaticities radiance_primaries{{0.64, 0.33}, {0.29, 0.60}, {
 
 /// From eight numbers in the order of the members.
 Chromaticities chromaticities_from(const double (&xy)[8]);
-bool nearly_equal(const Chromaticities& a, const Chromaticities& b);  ///< within 0.001
 std::string to_string(const Chromaticities& primaries);
 
 /// Linear RGB to CIE XYZ, white with Y = 1 (SMPTE RP 177). Throws Error if the primaries span no colours.
@@ -26,6 +25,9 @@ glm::dmat3 xyz_from_rgb(const Chromaticities& primaries);
 
 /// Linear RGB of one set of primaries to that of another; white stays white (Bradford adaptation, as in ICC profiles).
 glm::dmat3 convert_primaries(const Chromaticities& from, const Chromaticities& to);
+
+/// That conversion changes nothing by more than 0.2 %: rounded digits, or the same primaries seen under another white.
+bool same_colours(const Chromaticities& a, const Chromaticities& b);
 
 /// RGB of OpenEXR's luminance and chroma: RY = (R - Y) / Y, BY = (B - Y) / Y, Y with the weights of the primaries.
 vec3 rgb_from_chroma(float y, float ry, float by, const Chromaticities& primaries);

@@ -38,25 +38,12 @@ auto guarded(const std::string& path, Call call) {
 
 }  // namespace
 
-void check_image_size(long long width, long long height, const std::string& path) {
-  constexpr long long most = 1 << 29;  // 32768 x 16384
-  if (width <= 0 || height <= 0) throw Error("{}: the image is empty", path);
-  if (width > most || height > most || width * height > most)
-    throw Error("{}: {} x {} pixels are more than the {} that an image may have; make it smaller", path, width, height,
-                most);
-}
-
 ImageInput::ImageInput(const std::string& path) : path_(path) {
   if (!std::filesystem::exists(path)) throw Error("{}: no such image file", path);
   if (std::filesystem::is_directory(path)) throw Error("{}: is a folder, not an image file", path);
   file_size_ = std::filesystem::file_size(path);
   if (file_size_ == 0) throw Error("{}: the image file is empty", path);
-  OIIO::ImageSpec wishes;
-  wishes.attribute("oiio:UnassociatedAlpha", 1);
-  guarded(path, [&] { input_ = OIIO::ImageInput::open(path, &wishes); });
-  if (!input_) fail_to_open(path, one_line(OIIO::geterror()));
-  spec_ = input_->spec();
-  check_size();
+  open(path);
 }
 
 ImageInput::ImageInput(const std::string& path, std::string bytes)
@@ -64,19 +51,29 @@ ImageInput::ImageInput(const std::string& path, std::string bytes)
       bytes_(std::move(bytes)),
       file_size_(bytes_.size()),
       memory_(std::make_unique<OIIO::Filesystem::IOMemReader>(bytes_.data(), bytes_.size())) {
-  guarded(path, [&] { input_ = OIIO::ImageInput::open("picture.hdr", nullptr, memory_.get()); });
-  if (!input_) fail_to_open(path, one_line(OIIO::geterror()));
-  spec_ = input_->spec();
-  check_size();
+  open("picture.hdr");
 }
 
-void ImageInput::check_size() const {
-  check_image_size(spec_.width, spec_.height, path_);
-  // No compression goes as far as 65536 pixels in a byte: refused before memory is asked for.
-  if (std::uintmax_t(spec_.width) * std::uintmax_t(spec_.height) >> 16 > file_size_)
-    throw Error("{}: the image is damaged: it claims {} x {} pixels in {} bytes", path_, spec_.width, spec_.height,
-                file_size_);
+void ImageInput::open(const std::string& name) {
+  OIIO::ImageSpec wishes;
+  wishes.attribute("oiio:UnassociatedAlpha", 1);
+  // With wishes, the Radiance reader looks for a file.
+  guarded(path_, [&] { input_ = OIIO::ImageInput::open(name, memory_ ? nullptr : &wishes, memory_.get()); });
+  if (!input_) fail_to_open(path_, one_line(OIIO::geterror()));
+  spec_ = input_->spec();
+  check_size(spec_.width, spec_.height);
   if (spec_.nchannels <= 0) throw Error("{}: the image is empty", path_);
+}
+
+void ImageInput::check_size(long long width, long long height) const {
+  constexpr long long most = 1 << 29;  // 32768 x 16384
+  if (width <= 0 || height <= 0) throw Error("{}: the image is empty", path_);
+  if (width > most || height > most || width * height > most)
+    throw Error("{}: {} x {} pixels are more than the {} that an image may have; make it smaller", path_, width, height,
+                most);
+  // No compression goes as far as 65536 pixels in a byte: refused before memory is asked for.
+  if (std::uintmax_t(width * height) >> 16 > file_size_)
+    throw Error("{}: the image is damaged: it claims {} x {} pixels in {} bytes", path_, width, height, file_size_);
 }
 
 bool ImageInput::seek(int part) {
@@ -85,7 +82,7 @@ bool ImageInput::seek(int part) {
   if (!there) return false;
   part_ = part;
   spec_ = input_->spec();
-  check_size();
+  check_size(spec_.width, spec_.height);
   return true;
 }
 

@@ -22,19 +22,18 @@ class ImageInput {
   bool seek(int part);  ///< false if there are fewer parts
   /// Channels [first, last) of the current part, channel fastest. Throws Error if a single pixel is missing.
   std::vector<float> read(int first, int last);
+  /// Throws Error if there are more pixels than texels can be numbered, or than a file of this size can hold.
+  void check_size(long long width, long long height) const;
 
  private:
-  void check_size() const;
+  void open(const std::string& name);
 
-  std::string path_, bytes_;
+  std::string path_, bytes_;  // bytes_ of a picture in memory
   std::uintmax_t file_size_ = 0;
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;  // outlives its reader
   std::unique_ptr<OIIO::ImageInput> input_;
   OIIO::ImageSpec spec_;
   int part_ = 0;
 };
-
-/// Throws Error if an image of this size is beyond what texels are numbered with, or memory holds.
-void check_image_size(long long width, long long height, const std::string& path);
 
 }  // namespace penumbra

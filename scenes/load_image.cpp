@@ -64,15 +64,14 @@ void undo(const RadianceHeader& header, std::vector<vec3>& pixels, const std::st
                  c.y, c.z);
   const dvec3 divisor = header.exposure * header.correction;
   for (vec3& p : pixels) p = vec3(dvec3(p) / divisor);
-  // Radiance's own primaries are taken for Rec. 709's, as everyone does: green differs by 0.01.
+  // Radiance's own primaries are taken for Rec. 709's, as everyone does.
   const Chromaticities primaries = header.primaries.value_or(rec709);
-  if (!header.xyz && !nearly_equal(primaries, radiance_primaries) && !nearly_equal(primaries, rec709))
+  if (!header.xyz && !same_colours(primaries, radiance_primaries) && !same_colours(primaries, rec709))
     convert_to_rec709(pixels, primaries, path);
 }
 
 Image load_radiance(const std::string& bytes, const std::string& path) {
   const RadianceHeader header = read_radiance_header(bytes, path);
-  check_image_size(header.width, header.height, path);
   const std::vector<float> values = read_radiance_pixels(header, bytes, path);
   Image stored{header.width, header.height, std::vector<vec3>(values.size() / 3)};
   for (std::size_t i = 0; i < stored.pixels.size(); ++i)
@@ -179,7 +178,7 @@ void convert_colours(std::vector<vec3>& pixels, const OIIO::ImageSpec& spec, con
     for (vec3& p : pixels) p = rgb_from_chroma(p.x, p.y, p.z, primaries);
     spdlog::info("{}: luminance and chroma (Y, RY, BY) are converted to RGB", path);
   }
-  if (layer.kind != Layer::Kind::grey && !nearly_equal(primaries, rec709)) convert_to_rec709(pixels, primaries, path);
+  if (layer.kind != Layer::Kind::grey && !same_colours(primaries, rec709)) convert_to_rec709(pixels, primaries, path);
 }
 
 /// What lies outside of the display window is cut off, what the file does not hold of it is black.
@@ -188,7 +187,7 @@ Image in_display_window(Image data, const ImageInput& input, const std::string& 
   const bool resized = spec.full_width != spec.width || spec.full_height != spec.height;
   // PNG's and TIFF's offsets are places on a page; a display window tells from its size.
   if (!resized && !(input.is_exr() && (spec.full_x != spec.x || spec.full_y != spec.y))) return data;
-  check_image_size(spec.full_width, spec.full_height, path);
+  input.check_size(spec.full_width, spec.full_height);
   const long long dx = (long long)(spec.full_x) - spec.x, dy = (long long)(spec.full_y) - spec.y;
   Image shown{spec.full_width, spec.full_height, {}};
   shown.pixels.resize(std::size_t(shown.width) * shown.height, vec3(0.0f));

@@ -166,6 +166,10 @@ TEST(Colour, PrimariesConvertAsPublished) {
                                   {-0.01537806, -0.15297534, 1.16835340}};
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) EXPECT_NEAR(m[column][row], published[row][column], 1e-6);
+  // Rec. 709 as ICC profiles write it, under D50.
+  const Chromaticities d50{{0.6484, 0.3309}, {0.3212, 0.5979}, {0.1559, 0.0660}, {0.3457, 0.3585}};
+  EXPECT_TRUE(same_colours(d50, rec709));
+  EXPECT_FALSE(same_colours(radiance_primaries, rec709));
   EXPECT_NEAR(xyz_from_rgb(rec709)[1].y, 0.7152, 1e-4);  // green's share of luminance
   for (const float v : {0.0f, 0.02f, 0.216f, 1.0f}) EXPECT_NEAR(srgb_encode(srgb_decode(v)), v, 1e-6);
 }
@@ -354,8 +358,7 @@ TEST_F(ImageFiles, OrientationTagsAreApplied) {
 }
 
 TEST_F(ImageFiles, DamageIsAnErrorThatNamesTheFile) {
-  const auto said = spdlog::default_logger()->level();
-  spdlog::set_level(spdlog::level::off);
+  ::testing::internal::CaptureStderr();  // libpng's own words
   const auto error = [](const std::string& file) { return test::error_of([&] { load_image(file); }); };
   EXPECT_THAT(error(folder_.write("empty.exr", "")), HasSubstr("empty.exr"));
   EXPECT_THAT(error(folder_.path()), HasSubstr("folder"));
@@ -376,7 +379,7 @@ TEST_F(ImageFiles, DamageIsAnErrorThatNamesTheFile) {
       ASSERT_EQ(message.find('\n'), std::string::npos) << message;
     }
   }
-  spdlog::set_level(said);
+  ::testing::internal::GetCapturedStderr();
 }
 
 }  // namespace
