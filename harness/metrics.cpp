@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "harness/filter.h"
+#include "scenes/colour.h"
 
 namespace penumbra {
 

@@ -142,6 +142,23 @@ std::vector<vec3> faces_of_strip(const Image& image) {
   return cube.texels;
 }
 
+/// OpenEXR's cube maps (ImfEnvmap.h): a column of faces +X -X +Y -Y +Z -Z, each upright as seen from inside, the lower
+/// ones as in a cross. OpenEXR puts the outer pixels' centres onto the cube's edges; here they are half a texel inside.
+vec3 exr_cube_direction(int face, float u, float v) {
+  constexpr int squares[4][2] = {{2, 1}, {0, 1}, {1, 0}, {1, 2}};
+  if (face == 4) return {-u, -v, 1};
+  return face == 5 ? cross_direction(1, 1, u, v) : cross_direction(squares[face][0], squares[face][1], u, v);
+}
+
+std::vector<vec3> faces_of_exr_cube(const Image& image) {
+  const int n = image.width;
+  CubeMap<vec3> cube(n);
+  for (int t = 0; t < 6 * n * n; ++t)
+    cube.texels[cube_texel(exr_cube_direction(t / (n * n), cube_centre(t % n, n), cube_centre(t / n % n, n)), n)] =
+        image.pixels[t];
+  return cube.texels;
+}
+
 /// Debevec's angular map: radius proportional to the angle from -Z.
 struct AngularMapping {
   int size;
@@ -179,8 +196,14 @@ Environment environment_from_image(Image image, Layout layout, const std::string
   if (const SanitizeCounts bad = sanitize(image.pixels))
     spdlog::warn("{}: {} NaN and {} negative values set to 0, {} infinite ones capped", what, bad.nan, bad.negative,
                  bad.infinite);
-  if (layout == Layout::automatic) layout = layout_of(image, what);
+  const bool says_cube = layout == Layout::automatic && image.envmap == Envmap::cube;
+  if (layout == Layout::automatic && image.envmap == Envmap::lat_long) layout = Layout::lat_long;
+  if (layout == Layout::automatic && !says_cube) layout = layout_of(image, what);
   const int w = image.width, h = image.height;
+  if (says_cube) {
+    if (h != 6 * w) throw Error("{}: OpenEXR's cube maps are n x 6n, this is {} x {}", what, w, h);
+    return {Mapping::cube, w, h, faces_of_exr_cube(image), 0.0};
+  }
   switch (layout) {
     case Layout::vertical_cross:
       if (4 * w != 3 * h || w % 3) throw Error("{}: a vertical cross is 3n x 4n, this is {} x {}", what, w, h);
@@ -196,8 +219,8 @@ Environment environment_from_image(Image image, Layout layout, const std::string
   }
 }
 
-Environment load_environment(const std::string& path, Layout layout) {
-  return environment_from_image(load_image(path), layout, path);
+Environment load_environment(const std::string& path, Layout layout, const std::string& layer) {
+  return environment_from_image(load_image(path, layer), layout, path);
 }
 
 CubeMap<vec3> project(const Environment& environment, int n) {

@@ -57,10 +57,12 @@ SanitizeCounts sanitize(std::vector<vec3>& radiance);
 /// Image layouts a file may have.
 enum class Layout { automatic, lat_long, vertical_cross, horizontal_strip, angular };
 
-/// Loads .exr, .hdr and whatever else OpenImageIO reads. `automatic` goes by the proportions: 2:1 latitude-longitude,
-/// 3:4 vertical cross (-Z in the middle, seen from inside), 6:1 strip (+X -X +Y -Y +Z -Z with OpenGL's axes); square
-/// angular maps (Debevec 1998; centre -Z) must be named. Bad texels are sanitised with a warning that counts them.
-Environment load_environment(const std::string& path, Layout layout = Layout::automatic);
+/// Loads .exr, .hdr and whatever else OpenImageIO reads, as load_image does. `automatic` goes by what the file says,
+/// and else by the proportions: 2:1 latitude-longitude, 3:4 vertical cross (-Z in the middle, seen from inside), 6:1
+/// strip
+/// (+X -X +Y -Y +Z -Z with OpenGL's axes); square angular maps (Debevec 1998; centre -Z) must be named. Bad texels are
+/// sanitised with a warning that counts them.
+Environment load_environment(const std::string& path, Layout layout = Layout::automatic, const std::string& layer = "");
 
 /// Same from an image in memory; `what` names it in errors.
 Environment environment_from_image(Image image, Layout layout, const std::string& what);

@@ -1,31 +1,15 @@
 #include "scenes/image.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "scenes/colour.h"
 #include "scenes/error.h"
+#include "scenes/image_input.h"
 
 namespace penumbra {
 namespace {
-
-std::unique_ptr<OIIO::ImageInput> open(const std::string& path) {
-  if (!std::filesystem::exists(path)) throw Error("{}: no such image file", path);
-  auto input = OIIO::ImageInput::open(path);
-  if (!input) throw Error("{}: cannot be read as an image ({})", path, OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
-  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) throw Error("{}: the image is empty", path);
-  return input;
-}
-
-void read_pixels(OIIO::ImageInput& input, const std::string& path, std::vector<float>& values) {
-  const OIIO::ImageSpec& spec = input.spec();
-  values.resize(std::size_t(spec.width) * spec.height * spec.nchannels);
-  if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()))
-    throw Error("{}: the image is damaged or cut short ({})", path, input.geterror());
-}
 
 void write(const std::string& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type, const void* data) {
   namespace fs = std::filesystem;
@@ -42,30 +26,14 @@ void write(const std::string& path, const OIIO::ImageSpec& spec, const OIIO::Typ
 
 }  // namespace
 
-float srgb_encode(float linear) {
-  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
-}
-
-Image load_image(const std::string& path) {
-  const auto input = open(path);
-  std::vector<float> values;
-  read_pixels(*input, path, values);
-  const int channels = input->spec().nchannels;
-  Image image{input->spec().width, input->spec().height, {}};
-  image.pixels.resize(std::size_t(image.width) * image.height);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    for (int c = 0; c < 3; ++c) image.pixels[i][c] = values[i * channels + (channels < 3 ? 0 : c)];
-  return image;
-}
-
 ChannelImage load_channels(const std::string& path) {
-  const auto input = open(path);
-  const OIIO::ImageSpec& spec = input->spec();
+  ImageInput input(path);
+  const OIIO::ImageSpec& spec = input.spec();
   ChannelImage image{spec.width, spec.height, {spec.channelnames.begin(), spec.channelnames.end()}, {}, {}};
   for (const auto& attribute : spec.extra_attribs)
     if (attribute.type() == OIIO::TypeDesc::STRING)
       image.attributes[attribute.name().string()] = attribute.get_string();
-  read_pixels(*input, path, image.values);
+  image.values = input.read(0, spec.nchannels);
   return image;
 }
 

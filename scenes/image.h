@@ -10,10 +10,14 @@
 
 namespace penumbra {
 
+/// How an image file says that it covers the sphere (OpenEXR's attribute "envmap").
+enum class Envmap { unsaid, lat_long, cube };
+
 /// Linear RGB, row 0 on top.
 struct Image {
   int width = 0, height = 0;
   std::vector<vec3> pixels;
+  Envmap envmap = Envmap::unsaid;
 };
 
 /// Several float channels with names and text attributes: what an EXR file holds.
@@ -24,10 +28,13 @@ struct ChannelImage {
   std::map<std::string, std::string> attributes;
 };
 
-/// First three channels (grey is repeated) as float. Throws Error if missing, unreadable, or of zero size.
-Image load_image(const std::string& path);
+/// A picture as its file means it: upright, exposure undone, channels found by name (grey is repeated), primaries of
+/// Rec. 709, encoded values made linear, colours multiplied by alpha, the display window. `layer` chooses a layer or a
+/// part of an OpenEXR file. What is applied is said in messages. Throws Error that names the file if it is missing,
+/// damaged, or holds what is no picture.
+Image load_image(const std::string& path, const std::string& layer = "");
 
-/// Throws Error if the file is missing, truncated or not an image.
+/// All channels as they are. Throws Error if the file is missing, truncated or not an image.
 ChannelImage load_channels(const std::string& path);
 
 /// Writes beside the target and renames, so that a reader never sees half a file. Throws Error on failure.
@@ -36,7 +43,5 @@ void save_exr(const std::string& path, const Image& image);
 
 /// 8-bit sRGB from linear [0, 1]; values outside are clipped. Atomic as above.
 void save_png(const std::string& path, const Image& image);
-
-float srgb_encode(float linear);  ///< IEC 61966-2-1
 
 }  // namespace penumbra

@@ -247,10 +247,14 @@ Light read_light(TomlReader at, dvec3 origin) {
   }
   const std::string name = *at.text("environment");
   const Layout layout = read_layout(at);
+  const auto layer = at.text("layer");
+  if (layer && layer->empty()) at.fail("layer", "must name a layer or a part of an OpenEXR image");
   Environment environment;
   if (!make_environment(name, environment)) {
     const std::string file = resolve(at, "environment", name, "environment", environment_names);
-    environment = at_key(at, "environment", [&] { return load_environment(file, layout); });
+    environment = at_key(at, "environment", [&] { return load_environment(file, layout, layer.value_or("")); });
+  } else if (layer) {
+    at.fail("layer", "chooses a layer of an image file; '" + name + "' is none");
   }
   environment.rotation = at.number("rotation", -100.0, 100.0).value_or(0.0);
   at.finish();

@@ -1,5 +1,6 @@
 #include "scenes/environment.h"
 
+#include "scenes/scene_file.h"
 #include "tests/support.h"
 
 namespace penumbra {
@@ -177,6 +178,50 @@ TEST(Environment, FilesRoundTripAndDamageIsNoticed) {
   folder.write("text.exr", "not an image");
   EXPECT_NE(test::error_of([&] { load_environment(folder.path() + "/text.exr"); }).find("text.exr"), std::string::npos);
   EXPECT_NE(test::error_of([&] { load_environment(folder.path() + "/none.exr"); }).find("no such"), std::string::npos);
+}
+
+// Faces as OpenEXR's ImfEnvmap.cpp puts them, written from its pixelPosition and direction.
+TEST(Environment, OpenEXRSaysHowItCoversTheSphere) {
+  constexpr int n = 32;
+  Image cube{n, 6 * n, {}, Envmap::cube};
+  for (int face = 0; face < 6; ++face)
+    for (int row = 0; row < n; ++row)
+      for (int column = 0; column < n; ++column) {
+        const double a = double(cube_centre(column, n)), b = double(cube_centre(row, n));
+        const dvec3 directions[6] = {{1, -b, a}, {-1, -b, -a}, {a, 1, -b}, {a, -1, b}, {-a, -b, 1}, {a, -b, -1}};
+        cube.pixels.push_back(pattern(glm::normalize(directions[face])));
+      }
+  const CubeMap<vec3> wanted = project(environment_from_image(lat_long_image(512), Layout::automatic, "test"), 16);
+  const CubeMap<vec3> got = project(environment_from_image(cube, Layout::automatic, "cube.exr"), 16);
+  for (int t = 0; t < 6 * 256; ++t) ASSERT_LT(glm::length(got.texels[t] - wanted.texels[t]), 0.02f) << t;
+  cube = {5, 5, std::vector<vec3>(25), Envmap::cube};
+  EXPECT_NE(test::error_of([&] { environment_from_image(cube, Layout::automatic, "x"); }).find("6n"),
+            std::string::npos);
+  const Image odd{6, 4, std::vector<vec3>(24), Envmap::lat_long};
+  EXPECT_EQ(environment_from_image(odd, Layout::automatic, "x").mapping, Mapping::lat_long);
+}
+
+TEST(Environment, LayerOfAScene) {
+  test::TemporaryFolder folder;
+  ChannelImage layers{2, 1, {"a.B", "a.G", "a.R", "b.B", "b.G", "b.R"}, {}, {}};
+  for (int i = 0; i < 2; ++i) layers.values.insert(layers.values.end(), {1, 2, 3, 4, 5, 6});
+  save_channels(folder.path() + "/layers.exr", layers);
+  const auto load = [&](const std::string& light) {
+    return load_scene(folder.write("s.toml",
+                                   "name = 's'\n[occluder]\nmesh = 'none'\n[receivers]\n"
+                                   "plane = { half_extent = 1.0, resolution = 2 }\n[light]\n" +
+                                       light));
+  };
+  const Scene scene = load("environment = 'layers.exr'\nlayer = 'b'\n");
+  EXPECT_EQ(std::get<Environment>(scene.light).radiance[0], vec3(6, 5, 4));
+  const auto expect_error = [&](const std::string& light, const std::vector<std::string>& parts) {
+    const std::string message = test::error_of([&] { load(light); });
+    for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect_error("environment = 'layers.exr'\n", {"light.environment", "layers.exr", "a, b", "layer = "});
+  expect_error("environment = 'layers.exr'\nlayer = 'c'\n", {"'c'", "a, b"});
+  expect_error("environment = 'layers.exr'\nlayer = ''\n", {"light.layer"});
+  expect_error("environment = 'constant'\nlayer = 'b'\n", {"light.layer", "'constant'"});
 }
 
 TEST(Environment, DirectionsFillTheirTexelEvenly) {
