@@ -1,9 +1,13 @@
 #include "scenes/scene_file.h"
 
 #include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "scenes/assets.h"
+#include "scenes/names.h"
 #include "scenes/shapes.h"
 #include "scenes/toml_reader.h"
 
@@ -165,6 +169,23 @@ Layout read_layout(TomlReader& at) {
   at.fail("mapping", "is '" + *mapping + "'; allowed are lat-long, cross, strip, angular");
 }
 
+/// A direction of any length but 0, as a unit vector: lengths that no float holds are fine.
+std::optional<vec3> read_direction(TomlReader& at, const std::string& key) {
+  const toml::node* node = at.node(key);
+  if (!node) return {};
+  const toml::array* three = node->as_array();
+  bool good = three && three->size() == 3;
+  dvec3 v(0.0);
+  for (int k = 0; good && k < 3; ++k) {
+    v[k] = three->get(std::size_t(k))->value<double>().value_or(NAN);
+    good = three->get(std::size_t(k))->is_number() && std::isfinite(v[k]);
+  }
+  if (!good) at.fail(key, "must be three finite numbers [x, y, z]");
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (largest == 0.0) at.fail(key, "must not be zero");
+  return vec3(glm::normalize(v / largest));
+}
+
 AreaLight read_area_light(TomlReader at) {
   const vec3 centre = at.required("centre", at.vector("centre"), "[x, y, z]");
   const auto radiance = at.vector("radiance").value_or(vec3(1.0f));
@@ -172,8 +193,7 @@ AreaLight read_area_light(TomlReader at) {
   AreaLight light;
   if (at.has("radius")) {
     const double radius = *at.number("radius", 0.0, huge);
-    const vec3 normal = at.required("normal", at.vector("normal"), "the side it shines to");
-    if (normal == vec3(0.0f)) at.fail("normal", "must not be zero");
+    const vec3 normal = at.required("normal", read_direction(at, "normal"), "the side it shines to");
     light = make_disc(centre, normal, float(radius), radiance);
   } else {
     const vec3 u = at.required("edge_u", at.vector("edge_u"), "a rectangle's edge (a disc has normal and radius)");
@@ -226,10 +246,22 @@ Motion read_motion(TomlReader at) {
 
 }  // namespace
 
+std::string read_name(TomlReader& file) {
+  const std::string name = file.required("name", file.text("name"), "a name for tables");
+  if (const std::string fault = name_fault(name); !fault.empty()) file.fail("name", fault);
+  return name;
+}
+
+SceneName read_scene_name(const std::string& name_or_path) {
+  const std::string path = shipped_file(name_or_path, "library");
+  TomlReader file = TomlReader::open(path);
+  return {read_name(file), path, file.where("name")};
+}
+
 Scene load_scene(const std::string& name_or_path, const SphereChoice& choice) {
   TomlReader file = TomlReader::open(shipped_file(name_or_path, "library"));
   Scene scene;
-  scene.name = file.required("name", file.text("name"), "a name for tables");
+  scene.name = read_name(file);
   const auto section = [&](const char* key) { return file.required(key, file.table(key), "a table"); };
   read_occluder(section("occluder"), choice, scene);
   scene.receiver_spec = read_receivers(section("receivers"));
