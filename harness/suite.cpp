@@ -143,7 +143,7 @@ void add_variants(TomlReader& at, const Registry& registry, const std::vector<in
           variant.threads = count;
           const auto same = [&, label = variant.label()](const Variant& other) { return other.label() == label; };
           if (std::any_of(suite.variants.begin(), suite.variants.end(), same))
-            throw Error("lists {} a second time; allowed is every combination once", variant.label());
+            throw Error("[[technique]] lists {} a second time; allowed is every combination once", variant.label());
           suite.variants.push_back(variant);
         }
       }

@@ -186,8 +186,17 @@ std::optional<vec3> read_direction(TomlReader& at, const std::string& key) {
   return vec3(glm::normalize(v / largest));
 }
 
+/// A place or an edge of a lamp. Farther out the square of a distance is no float.
+std::optional<vec3> read_length(TomlReader& at, const std::string& key) {
+  constexpr float most = 1e12f;
+  const auto v = at.vector(key);
+  if (v && glm::any(glm::greaterThan(glm::abs(*v), vec3(most))))
+    at.fail(key, fmt::format("holds a number outside [{}, {}]", -most, most));
+  return v;
+}
+
 AreaLight read_area_light(TomlReader at) {
-  const vec3 centre = at.required("centre", at.vector("centre"), "[x, y, z]");
+  const vec3 centre = at.required("centre", read_length(at, "centre"), "[x, y, z]");
   const auto radiance = at.vector("radiance").value_or(vec3(1.0f));
   if (glm::any(glm::lessThan(radiance, vec3(0.0f)))) at.fail("radiance", "must not be negative");
   AreaLight light;
@@ -196,8 +205,9 @@ AreaLight read_area_light(TomlReader at) {
     const vec3 normal = at.required("normal", read_direction(at, "normal"), "the side it shines to");
     light = make_disc(centre, normal, float(radius), radiance);
   } else {
-    const vec3 u = at.required("edge_u", at.vector("edge_u"), "a rectangle's edge (a disc has normal and radius)");
-    const vec3 v = at.required("edge_v", at.vector("edge_v"), "a rectangle's edge");
+    const vec3 u =
+        at.required("edge_u", read_length(at, "edge_u"), "a rectangle's edge (a disc has normal and radius)");
+    const vec3 v = at.required("edge_v", read_length(at, "edge_v"), "a rectangle's edge");
     light = make_rectangle(centre, u, v, radiance);
   }
   at.finish();
