@@ -261,7 +261,7 @@ TEST_F(Runs, ScenesOfOneNameAreRefusedBeforeAnythingIsMeasured) {
   EXPECT_NE(refused(suite_of({blank, dash})).find("'x-y'"), std::string::npos);
   error = refused(suite_of({a, a}));
   EXPECT_NE(error.find("lists " + a + " twice"), std::string::npos) << error;
-  EXPECT_NE(refused(suite_of({a, folder_.path() + "/../" + a})).find("twice"), std::string::npos);
+  EXPECT_NE(refused(suite_of({a, folder_.path() + "/./a.toml"})).find("twice"), std::string::npos);
   error = refused(suite_of({a}, "good", "spheres = [4, 4]\n"));
   EXPECT_NE(error.find("suite.toml:4: scene 'same' has 4 spheres"), std::string::npos) << error;
   EXPECT_EQ(run(suite_of({a, dash}, "good", "spheres = [2, 4]\nobjective = [\"cover\", \"shadow\"]\n")), 0)
@@ -309,7 +309,8 @@ TEST_F(Runs, AResumedRunKeepsWhatItHasNotReachedOnDisk) {
   Fake::watched = out() + "/results.json";
   EXPECT_EQ(run(suite_of(files, "spy"), true), 0);
   std::set<std::string> on_disk;  // while b was measured
-  for (const auto& saved : nlohmann::json::parse(Fake::seen)["benchmarks"]) on_disk.insert(saved["scene"]);
+  const auto file = nlohmann::json::parse(Fake::seen);
+  for (const auto& saved : file["benchmarks"]) on_disk.insert(saved["scene"]);
   EXPECT_TRUE(on_disk.contains("a")) << "finished";
   EXPECT_TRUE(on_disk.contains("c")) << "not reached";
   EXPECT_EQ(read_results(out()).size(), 3u);
