@@ -1,12 +1,16 @@
 #include "harness/commands.h"
 
 #include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "cuda/register_cuda.h"
+#include "harness/black_truth.h"
 #include "harness/metrics.h"
+#include "harness/pictures.h"
 #include "harness/reference.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
@@ -17,12 +21,11 @@ namespace penumbra {
 namespace {
 
 /// .exr as it is, everything else exposed for a display.
-void save(const std::string& path, Image image, const std::vector<bool>& valid) {
+void save(const std::string& path, const Image& image, const Frame& frame) {
   if (path.ends_with(".exr")) return save_exr(path, image);
   if (!path.ends_with(".png")) throw Error("-o {}: the name must end in .exr or .png", path);
-  const double exposure = exposure_for(image, valid);
-  for (vec3& p : image.pixels) p *= float(exposure);
-  save_png(path, image);
+  const double light = light_scale(frame.light, frame.receivers);
+  save_png(path, exposed(image, exposure_for(image, valid_receivers(frame.receivers), light)));
 }
 
 void list_as_json(const Registry& registry) {
@@ -47,6 +50,37 @@ void list_as_json(const Registry& registry) {
     out["techniques"].push_back(entry);
   }
   fmt::print("{}\n", out.dump(1));
+}
+
+std::string reference_line(const std::string& scene, const Reference& r, const std::vector<bool>& valid, double black) {
+  const double scale = rms(r.mean, valid);
+  const auto error = relative(r.noise(valid), scale, black);
+  const auto average = mean(r.mean, valid);
+  return fmt::format(
+      "{} {}: {} receivers, {} rays each, {:.2f} s{}, RMS {:.5g} W m^-2 sr^-1, standard error {}, mean {}", scene,
+      to_string(r.rung), valid.size(), r.rays_per_receiver, r.seconds, r.from_cache ? " (from the cache)" : "", scale,
+      error ? fmt::format("{:.3g} % of it", 100.0 * *error) : "undefined (of a black image)",
+      average ? fmt::format("({:.5g}, {:.5g}, {:.5g})", average->x, average->y, average->z) : "undefined");
+}
+
+/// The same figures, and null where they are undefined.
+nlohmann::json reference_json(const std::string& scene, const Reference& r, const std::vector<bool>& valid,
+                              double black) {
+  const double scale = rms(r.mean, valid);
+  const auto error = relative(r.noise(valid), scale, black);
+  const auto average = mean(r.mean, valid);
+  return {{"scene", scene},
+          {"rung", to_string(r.rung)},
+          {"receivers", valid.size()},
+          {"valid_receivers", std::count(valid.begin(), valid.end(), true)},
+          {"rays_per_receiver", r.rays_per_receiver},
+          {"seconds", r.seconds},
+          {"from_cache", r.from_cache},
+          {"rms", scale},
+          {"mean", average ? nlohmann::json{average->x, average->y, average->z} : nlohmann::json(nullptr)},
+          {"noise", r.noise(valid)},
+          {"rel_noise", error ? nlohmann::json(*error) : nlohmann::json(nullptr)},
+          {"black", !(scale > black)}};
 }
 
 }  // namespace
@@ -82,7 +116,9 @@ void render(const RenderOptions& options) {
   Image image{scene.receivers.width, scene.receivers.height, std::vector<vec3>(std::size_t(scene.receivers.size()))};
   technique->shade({image.pixels.data(), image.width, image.height});
   const auto shaded = std::chrono::steady_clock::now();
-  save(options.output, image, valid_receivers(frame.receivers));
+  save(options.output, image, frame);
+  if (!light_arrives(frame.light, frame.receivers))
+    spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, false));
   using ms = std::chrono::duration<double, std::milli>;
   fmt::print("{}: prepared in {:.1f} ms, shaded in {:.2f} ms (once, cold; `run` measures)\n", options.output,
              ms(prepared - start).count(), ms(shaded - prepared).count());
@@ -100,11 +136,12 @@ void reference(const ReferenceOptions& options) {
   const Reference r =
       options.fresh ? compute_reference(frame, rung, settings) : cached_reference(frame, rung, settings);
   const auto valid = valid_receivers(frame.receivers);
-  const double scale = rms(r.mean, valid);
-  fmt::print("{} {}: {} receivers, {} rays each, {:.2f} s{}, RMS {:.5g} W m^-2 sr^-1, standard error {:.3g} % of it\n",
-             scene.name, to_string(rung), valid.size(), r.rays_per_receiver, r.seconds,
-             r.from_cache ? " (from the cache)" : "", scale, scale > 0 ? 100.0 * r.noise(valid) / scale : 0.0);
-  if (!options.output.empty()) save(options.output, r.mean, valid);
+  const double black = black_level(frame.light, frame.receivers);
+  fmt::print("{}\n", options.json ? reference_json(scene.name, r, valid, black).dump(1)
+                                  : reference_line(scene.name, r, valid, black));
+  if (!(rms(r.mean, valid) > black))
+    spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, rms(r.unshadowed, valid) > black));
+  if (!options.output.empty()) save(options.output, r.mean, frame);
 }
 
 }  // namespace penumbra

@@ -20,7 +20,7 @@ struct ReferenceOptions {
   std::string scene, rung = "truth", output;
   double noise = 0.002;
   int resolution = 32;
-  bool fresh = false;
+  bool fresh = false, json = false;
 };
 void reference(const ReferenceOptions& options);
 

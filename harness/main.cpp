@@ -61,6 +61,7 @@ void add_reference(CLI::App& app) {
   command->add_option("--resolution", options.resolution, "cube, spheres: texels along a face edge")
       ->check(CLI::IsMember({16, 32, 64}));
   command->add_flag("--fresh", options.fresh, "Do not look into the cache");
+  command->add_flag("--json", options.json, "Print the figures as JSON");
   command->add_option("-o", options.output, "Image: .exr or .png");
   command->callback([] { reference(options); });
 }

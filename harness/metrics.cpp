@@ -21,6 +21,10 @@ std::vector<Region> classify(const std::vector<vec3>& reference, const std::vect
   return regions;
 }
 
+std::optional<double> relative(double error, double scale, double black) {
+  return scale > black ? std::optional(error / scale) : std::nullopt;
+}
+
 namespace {
 
 /// Running sums of one set of receivers.
@@ -39,17 +43,17 @@ struct Sums {
     }
   }
 
-  Errors finish(double reference_rms, double peak, bool windowed, bool has_flip) const {
+  Errors finish(double reference_rms, double peak, double black, bool has_flip) const {
     Errors e;
     e.receivers = count;
     if (count == 0) return e;
     e.rmse = std::sqrt(squared / (3.0 * double(count)));
-    e.rel_rmse = reference_rms > 0.0 ? e.rmse / reference_rms : 0.0;
-    e.psnr = e.rmse > 0.0 ? 20.0 * std::log10(peak / e.rmse) : std::numeric_limits<double>::infinity();
+    e.rel_rmse = relative(e.rmse, reference_rms, black);
+    if (e.rel_rmse) e.psnr = e.rmse > 0.0 ? 20.0 * std::log10(peak / e.rmse) : std::numeric_limits<double>::infinity();
     e.max = largest;
     e.negative = negative;
     e.mean_signed = sum / (3.0 * double(count));
-    if (windowed && windows > 0) e.ssim = ssim / double(windows);
+    if (windows > 0) e.ssim = ssim / double(windows);
     if (has_flip) e.flip = flip / double(count);
     return e;
   }
@@ -58,7 +62,7 @@ struct Sums {
 }  // namespace
 
 ErrorReport compare_images(const Image& image, const Image& reference, const std::vector<Region>& regions,
-                           const std::vector<bool>& valid, double exposure) {
+                           const std::vector<bool>& valid, double exposure, double black) {
   const std::size_t size = reference.pixels.size();
   const std::vector<float> ssim = ssim_map(display_luminance(image, exposure), display_luminance(reference, exposure),
                                            reference.width, reference.height);
@@ -82,8 +86,8 @@ ErrorReport compare_images(const Image& image, const Image& reference, const std
   }
   const double scale = rms(reference, valid);
   ErrorReport report;
-  report.all = all.finish(scale, peak, windowed, windowed);
-  for (int k = 0; k < 3; ++k) report.region[k] = by_region[k].finish(scale, peak, windowed, windowed);
+  report.all = all.finish(scale, peak, black, windowed);
+  for (int k = 0; k < 3; ++k) report.region[k] = by_region[k].finish(scale, peak, black, windowed);
   return report;
 }
 
@@ -101,21 +105,34 @@ Image difference(const Image& image, const Image& reference) {
   return out;
 }
 
-double exposure_for(const Image& reference, const std::vector<bool>& valid) {
+std::optional<dvec3> mean(const Image& image, const std::vector<bool>& valid) {
+  dvec3 sum(0.0);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < valid.size(); ++i)
+    if (valid[i]) sum += dvec3(image.pixels[i]), ++count;
+  return count ? std::optional(sum / double(count)) : std::nullopt;
+}
+
+double exposure_for(const Image& reference, const std::vector<bool>& valid, double light) {
   std::vector<float> values;
   for (std::size_t i = 0; i < reference.pixels.size(); ++i)
     if (valid[i]) values.push_back(luminance(reference.pixels[i]));
-  if (values.empty()) return 1.0;
-  const auto at = values.begin() + std::ptrdiff_t(double(values.size() - 1) * 0.99);
-  std::nth_element(values.begin(), at, values.end());
-  return *at > 0.0f ? 0.8 / double(*at) : 1.0;
+  double white = light;
+  if (!values.empty()) {
+    const auto at = values.begin() + std::ptrdiff_t(double(values.size() - 1) * 0.99);
+    std::nth_element(values.begin(), at, values.end());
+    const double crumb = 1e-12 * light, percentile = double(*at);
+    const double brightest = percentile > crumb ? percentile : double(*std::max_element(at, values.end()));
+    if (brightest > crumb) white = brightest;
+  }
+  return white > 0.0 ? 0.8 / white : 1.0;
 }
 
 std::vector<float> display_luminance(const Image& image, double exposure) {
   std::vector<float> grey;
   grey.reserve(image.pixels.size());
   for (const vec3& p : image.pixels)
-    grey.push_back(srgb_encode(std::clamp(float(exposure) * luminance(p), 0.0f, 1.0f)));
+    grey.push_back(srgb_encode(float(std::clamp(exposure * double(luminance(p)), 0.0, 1.0))));
   return grey;
 }
 

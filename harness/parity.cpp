@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "harness/black_truth.h"
 #include "harness/run.h"
 
 namespace penumbra {
@@ -18,6 +20,8 @@ Scene thinned(const Scene& scene, int edge) {
 }
 
 namespace {
+
+constexpr double parity_floor = 1e-2;
 
 std::vector<vec3> shaded(const Entry& entry, const Parameters& parameters, const Scene& scene) {
   const auto technique = entry.make(parameters);
@@ -48,7 +52,12 @@ double parity_with_scalar(const Registry& registry, const Entry& entry, const Pa
     squared += glm::dot(a - b, a - b);
     energy += glm::dot(b, b);
   }
-  return energy > 0.0 ? std::sqrt(squared / energy) : std::sqrt(squared);
+  if (squared == 0.0) return 0.0;
+  // Both round at the scale of the light, however little of it is left in the image.
+  const double count = 3.0 * double(ours.size());
+  const double floor = parity_floor * light_scale(scene.light, thin.receivers);
+  const double scale = std::max({std::sqrt(energy / count), floor, double(std::numeric_limits<float>::min())});
+  return std::sqrt(squared / count) / scale;
 }
 
 }  // namespace penumbra

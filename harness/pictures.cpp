@@ -1,13 +1,23 @@
 #include "harness/pictures.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace penumbra {
 
+void try_to_save(const std::function<void()>& save) {
+  try {
+    save();
+  } catch (const std::exception& e) {
+    spdlog::warn("{}; going on without", e.what());
+  }
+}
+
 Image exposed(const Image& image, double exposure) {
   Image out = image;
-  for (vec3& p : out.pixels) p *= float(exposure);
+  for (vec3& p : out.pixels) p = vec3(dvec3(p) * exposure);
   return out;
 }
 

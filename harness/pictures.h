@@ -1,9 +1,14 @@
 // Images for people: exposed, as signed error, side by side.
 #pragma once
 
+#include <functional>
+
 #include "scenes/image.h"
 
 namespace penumbra {
+
+/// Calls `save`; what it throws becomes a warning: a full disk must not cost what has been measured.
+void try_to_save(const std::function<void()>& save);
 
 Image exposed(const Image& image, double exposure);
 

@@ -47,4 +47,8 @@ void Progress::note(const std::string& text) {
   fmt::print(stderr, "{}\n", text);
 }
 
+void Progress::note_once(const std::string& text) {
+  if (said_.insert(text).second) note(text);
+}
+
 }  // namespace penumbra

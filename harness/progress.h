@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <set>
 #include <string>
 
 namespace penumbra {
@@ -16,12 +17,15 @@ class Progress {
   void share(const std::string& what, double share);
   /// Something worth keeping on screen.
   void note(const std::string& text);
+  /// The same, unless it has been said before.
+  void note_once(const std::string& text);
 
  private:
   void clear();
   bool terminal_;
   int steps_, done_ = 0;
   std::string last_;
+  std::set<std::string> said_;
   std::chrono::steady_clock::time_point start_;
 };
 

@@ -92,10 +92,6 @@ std::string make_published_table(const PublishedTable& table, const std::vector<
   text += " spheres % | cube % | truth % |\n|---|---|---|---|---|";
   for (std::size_t k = 0; k < 2 * table.devices().size() + 3; ++k) text += "---|";
   text += "\n";
-  const auto percent = [](const Row& row, const char* rung) {
-    const auto at = row.errors.find(rung);
-    return at == row.errors.end() ? std::string() : fmt::format("{:.3g}", 100.0 * at->second.report.all.rel_rmse);
-  };
   for (const Row& row : rows) {
     const auto published = row.ok() ? table.lookup(row) : std::map<std::string, double>();
     if (published.empty()) continue;
@@ -108,7 +104,8 @@ std::string make_published_table(const PublishedTable& table, const std::vector<
       const auto at = published.find(device);
       text += at == published.end() ? " | |" : fmt::format(" {} | {:.1f} |", at->second, fps / at->second);
     }
-    text += fmt::format(" {} | {} | {} |\n", percent(row, "spheres"), percent(row, "cube"), percent(row, "truth"));
+    text +=
+        fmt::format(" {} | {} | {} |\n", rung_text(row, "spheres"), rung_text(row, "cube"), rung_text(row, "truth"));
   }
   return text;
 }

@@ -188,6 +188,22 @@ void compute_texels(const Frame& frame, Rung rung, int n, Reference& out) {
 
 }  // namespace
 
+void check_finite(const Reference& reference, const Receivers& receivers) {
+  const std::pair<const char*, const Image*> images[] = {
+      {"radiance", &reference.mean}, {"variance", &reference.variance}, {"unshadowed radiance", &reference.unshadowed}};
+  for (const auto& [what, image] : images)
+    for (std::size_t i = 0; i < image->pixels.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        if (const float value = image->pixels[i][c]; !std::isfinite(value)) {
+          const vec3 p = receivers.position[i];
+          throw Error(
+              "{}: receiver {} at ({:.4g}, {:.4g}, {:.4g}) has the {} {}: a number of the scene is not finite or too "
+              "large "
+              "for float; look at its light, or give the light in a larger unit",
+              to_string(reference.rung), i, p.x, p.y, p.z, what, value);
+        }
+}
+
 Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
   if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
   const auto start = std::chrono::steady_clock::now();
@@ -197,6 +213,7 @@ Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettin
   if (rung == Rung::truth) compute_truth(frame, settings, out);
   else if (rung == Rung::r13x13) compute_13x13(frame, out);
   else compute_texels(frame, rung, settings.resolution, out);
+  check_finite(out, frame.receivers);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

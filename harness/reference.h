@@ -40,7 +40,11 @@ std::vector<bool> valid_receivers(const Receivers& receivers);
 /// Why a rung does not apply to a frame; empty if it does.
 std::string inapplicable(const Frame& frame, Rung rung);
 
-/// Computes a rung. Throws Unsupported where it does not apply. Deterministic for any number of threads.
+/// Throws Error naming the first receiver of a reference that is not finite.
+void check_finite(const Reference& reference, const Receivers& receivers);
+
+/// Computes a rung. Throws Unsupported where it does not apply, Error if it is not finite. Deterministic for any number
+/// of threads.
 Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings);
 
 /// Visibility of the 13 x 13 cell centres of an area light: values k / 169.

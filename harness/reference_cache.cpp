@@ -113,7 +113,9 @@ Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSetting
   const std::string path = cache_folder() + "/" + to_string(rung) + "-" + key + ".exr";
   if (std::filesystem::exists(path)) {
     try {
-      return load(path, key, rung);
+      Reference reference = load(path, key, rung);
+      check_finite(reference, frame.receivers);
+      return reference;
     } catch (const std::exception& e) {
       spdlog::warn("reference cache: {}; computing it anew", e.what());
     }

@@ -14,26 +14,42 @@ namespace {
 
 using nlohmann::json;
 
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
+/// JSON has no number for what is undefined or infinite.
+json number(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? json(*value) : json(nullptr);
+}
+
+std::optional<double> number_from(const json& in) {
+  return in.is_null() ? std::nullopt : std::optional(in.get<double>());
+}
+
+json numbers(const std::vector<std::optional<double>>& values) {
+  json out = json::array();
+  for (const auto& value : values) out.push_back(number(value));
+  return out;
+}
+
+std::vector<std::optional<double>> numbers_from(const json& in) {
+  std::vector<std::optional<double>> values;
+  for (const json& value : in) values.push_back(number_from(value));
+  return values;
 }
 
 json errors_json(const Errors& e) {
-  json out = {{"receivers", e.receivers}, {"rmse", e.rmse}, {"rel_rmse", e.rel_rmse},
-              {"psnr", number(e.psnr)},   {"max", e.max},   {"mean_signed", e.mean_signed},
-              {"negative", e.negative}};
-  out["ssim"] = e.ssim ? json(*e.ssim) : json(nullptr);
-  out["flip"] = e.flip ? json(*e.flip) : json(nullptr);
-  return out;
+  const auto of_some = [&](double value) { return e.receivers > 0 ? json(value) : json(nullptr); };
+  return {{"receivers", e.receivers}, {"rmse", of_some(e.rmse)}, {"rel_rmse", number(e.rel_rmse)},
+          {"psnr", number(e.psnr)},   {"max", of_some(e.max)},   {"mean_signed", of_some(e.mean_signed)},
+          {"negative", e.negative},   {"ssim", number(e.ssim)},  {"flip", number(e.flip)}};
 }
 
 Errors errors_from(const json& in) {
   Errors e;
   e.receivers = in.at("receivers"), e.negative = in.at("negative");
-  e.rmse = in.at("rmse"), e.rel_rmse = in.at("rel_rmse"), e.max = in.at("max"), e.mean_signed = in.at("mean_signed");
-  e.psnr = in.at("psnr").is_null() ? std::numeric_limits<double>::infinity() : double(in.at("psnr"));
-  if (!in.at("ssim").is_null()) e.ssim = in.at("ssim");
-  if (!in.at("flip").is_null()) e.flip = in.at("flip");
+  e.rmse = number_from(in.at("rmse")).value_or(0.0), e.max = number_from(in.at("max")).value_or(0.0);
+  e.mean_signed = number_from(in.at("mean_signed")).value_or(0.0);
+  e.rel_rmse = number_from(in.at("rel_rmse")), e.psnr = number_from(in.at("psnr"));
+  if (!e.psnr && e.rel_rmse && *e.rel_rmse == 0.0) e.psnr = std::numeric_limits<double>::infinity();
+  e.ssim = number_from(in.at("ssim")), e.flip = number_from(in.at("flip"));
   return e;
 }
 
@@ -82,9 +98,9 @@ double Row::stages_ms(const std::vector<std::string>& names) const {
   return sum;
 }
 
-double Row::truth_error() const {
+std::optional<double> Row::truth_error() const {
   const auto at = errors.find("truth");
-  return at == errors.end() ? std::numeric_limits<double>::infinity() : at->second.report.all.rel_rmse;
+  return at == errors.end() ? std::nullopt : at->second.report.all.rel_rmse;
 }
 
 json to_json(const Row& row) {
@@ -123,12 +139,12 @@ json to_json(const Row& row) {
   out["footprint"] = {
       {"tables", row.bytes.tables}, {"per_scene", row.bytes.per_scene}, {"per_frame", row.bytes.per_frame}};
   out["parity_rel_rmse"] = row.parity < 0 ? json(nullptr) : json(row.parity);
-  out["geometry_rel_rmse"] = row.geometry < 0 ? json(nullptr) : json(row.geometry);
+  out["geometry_rel_rmse"] = number(row.geometry);
   if (row.sequence)
-    out["sequence"] = {{"rel_rmse", row.sequence->rel_rmse},
-                       {"flicker", row.sequence->flicker},
+    out["sequence"] = {{"rel_rmse", numbers(row.sequence->rel_rmse)},
+                       {"flicker", numbers(row.sequence->flicker)},
                        {"coverage", row.sequence->coverage},
-                       {"rel_noise", row.sequence->rel_noise},
+                       {"rel_noise", number(row.sequence->rel_noise)},
                        {"carry_ms", row.sequence->carry_ms}};
   out["counters"] = row.counters;
   for (const StepError& step : row.steps)
@@ -137,7 +153,7 @@ json to_json(const Row& row) {
   for (const auto& [rung, errors] : row.errors) {
     json& at = out["errors"][rung] = errors_json(errors.report.all);
     at["noise"] = errors.noise;
-    at["rel_noise"] = errors.rel_noise;
+    at["rel_noise"] = number(errors.rel_noise);
     for (int k = 0; k < 3; ++k) at["regions"][region_names[k]] = errors_json(errors.report.region[k]);
   }
   return out;
@@ -165,10 +181,11 @@ Row row_from_json(const json& in) {
   const json& bytes = in.at("footprint");
   row.bytes = {bytes.at("tables"), bytes.at("per_scene"), bytes.at("per_frame")};
   row.parity = in.at("parity_rel_rmse").is_null() ? -1.0 : double(in.at("parity_rel_rmse"));
-  row.geometry = in.at("geometry_rel_rmse").is_null() ? -1.0 : double(in.at("geometry_rel_rmse"));
+  row.geometry = number_from(in.at("geometry_rel_rmse"));
   if (in.contains("sequence")) {
     const json& at = in.at("sequence");
-    row.sequence = {at.at("rel_rmse"), at.at("flicker"), at.at("coverage"), at.at("rel_noise"), at.at("carry_ms")};
+    row.sequence = {numbers_from(at.at("rel_rmse")), numbers_from(at.at("flicker")), at.at("coverage"),
+                    number_from(at.at("rel_noise")), at.at("carry_ms")};
   }
   row.counters = in.at("counters").get<std::map<std::string, std::size_t>>();
   if (in.contains("steps"))
@@ -176,7 +193,7 @@ Row row_from_json(const json& in) {
   for (const auto& [rung, at] : in.at("errors").items()) {
     RungErrors& errors = row.errors[rung];
     errors.report.all = errors_from(at);
-    errors.noise = at.at("noise"), errors.rel_noise = at.at("rel_noise");
+    errors.noise = at.at("noise"), errors.rel_noise = number_from(at.at("rel_noise"));
     for (int k = 0; k < 3; ++k) errors.report.region[k] = errors_from(at.at("regions").at(region_names[k]));
   }
   return row;
@@ -194,7 +211,8 @@ void write_atomically(const std::string& path, const std::string& text) {
 void write_results(const std::string& directory, const json& context, const std::vector<Row>& rows) {
   json out = {{"context", context}, {"benchmarks", json::array()}};
   for (const Row& row : rows) out["benchmarks"].push_back(to_json(row));
-  write_atomically(directory + "/results.json", out.dump(1) + "\n");
+  // A row's status may quote a path that is no UTF-8.
+  write_atomically(directory + "/results.json", out.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
 std::vector<Row> read_results(const std::string& directory) {

@@ -12,17 +12,17 @@ namespace penumbra {
 
 struct RungErrors {
   ErrorReport report;
-  double noise = 0.0;      ///< standard error of the rung, W m^-2 sr^-1
-  double rel_noise = 0.0;  ///< the same over the rung's RMS: relative RMSEs below it are ties
+  double noise = 0.0;               ///< standard error of the rung, W m^-2 sr^-1
+  std::optional<double> rel_noise;  ///< the same over the rung's RMS: relative RMSEs below it are ties
 };
 
-/// Errors over the frames of a motion, relative RMSE against each frame's truth.
+/// Errors over the frames of a motion, relative RMSE against each frame's truth; absent where that is black.
 struct SequenceErrors {
-  std::vector<double> rel_rmse;  ///< per frame
-  std::vector<double> flicker;   ///< per pair of frames: RMS of the change of error, over the truth's RMS
-  std::vector<double> coverage;  ///< per frame: share of the mesh's surface in its spheres; empty without spheres
-  double rel_noise = 0.0;        ///< of the truth, mean over frames; flicker below sqrt(2) of it is noise
-  double carry_ms = 0.0;         ///< moving the spheres with the mesh, mean over frames
+  std::vector<std::optional<double>> rel_rmse;  ///< per frame
+  std::vector<std::optional<double>> flicker;  ///< per pair of frames: RMS of the change of error, over the truth's RMS
+  std::vector<double> coverage;     ///< per frame: share of the mesh's surface in its spheres; empty without spheres
+  std::optional<double> rel_noise;  ///< of the truth, mean over frames; flicker below sqrt(2) of it is noise
+  double carry_ms = 0.0;            ///< moving the spheres with the mesh, mean over frames
 };
 
 /// What one approximation of a technique adds to its error against rung `spheres` (Technique::approximations).
@@ -46,9 +46,9 @@ struct Row {
   std::vector<StageSamples> stages;                   ///< of update and shade, in order of running
   double view_ms = -1.0;  ///< camera rays that found the receivers, not part of the frame; -1: no camera
   Footprint bytes;
-  double parity = -1.0;                         ///< relative RMSE against the scalar twin; -1: is scalar
-  std::map<std::string, RungErrors> errors;     ///< by rung
-  double geometry = -1.0;                       ///< relative RMSE from rung cube to rung spheres; -1: no such rungs
+  double parity = -1.0;                      ///< parity_with_scalar(); -1: is scalar
+  std::map<std::string, RungErrors> errors;  ///< by rung
+  std::optional<double> geometry;  ///< relative RMSE from rung cube to rung spheres; absent: no such rungs, or black
   std::optional<SequenceErrors> sequence;       ///< where the suite asks for it
   std::vector<StepError> steps;                 ///< where the suite asks for attribution and the technique knows
   std::map<std::string, std::size_t> counters;  ///< Technique::counters() after the scored frame
@@ -59,7 +59,7 @@ struct Row {
   double median_frame_ms() const;
   /// Sum of the medians of named stages; NaN if one of them is missing.
   double stages_ms(const std::vector<std::string>& names) const;
-  double truth_error() const;  ///< relative RMSE against truth; infinity if there is none
+  std::optional<double> truth_error() const;  ///< relative RMSE against truth; absent if there is none or it is black
 };
 
 /// Google Benchmark's format: {"context": {...}, "benchmarks": [row, ...]}; our fields stand beside its own.
@@ -73,6 +73,13 @@ std::vector<Row> read_results(const std::string& directory);
 
 /// "name=value ..." of a row's parameters that differ among rows of its technique; the others would only widen a table.
 std::string telling_parameters(const Row& row, const std::vector<const Row*>& rows);
+
+/// A relative error in percent for tables; "undefined" where it is 0 / 0.
+std::string percent_text(const std::optional<double>& relative);
+/// The same of one rung of a row; "" if the row has not been compared with it.
+std::string rung_text(const Row& row, const std::string& rung);
+/// The same of Row::geometry; "" if the row lacks one of the rungs.
+std::string geometry_text(const Row& row);
 
 /// Markdown: per scene, rows by frame time and by error against truth; Pareto-optimal rows marked.
 std::string make_table(const std::vector<Row>& rows);
@@ -96,7 +103,7 @@ std::string make_choice_table(const std::vector<Row>& rows);
 std::string make_counters_table(const std::vector<Row>& rows);
 
 /// Rows of one scene that no other row beats in both frame time and error (ties in error within the noise count as
-/// equal).
+/// equal). A row whose error is undefined neither is optimal nor beats another.
 std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows);
 
 /// Writes a text file beside its place and renames it.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+#include "harness/black_truth.h"
+#include "harness/file_stems.h"
 #include "harness/interrupt.h"
 #include "harness/pictures.h"
 #include "harness/run.h"
@@ -20,12 +22,6 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::string file_name(std::string name) {
-  for (char& c : name)
-    if (c == '/' || c == ':' || c == ' ') c = '-';
-  return name;
-}
-
 }  // namespace
 
 int resolution_of(const Parameters& parameters) {
@@ -37,26 +33,34 @@ SceneRun::SceneRun(const Scene& scene, const Registry& registry, const Suite& su
     : scene_(scene),
       registry_(registry),
       attribution_(suite.attribution),
+      stems_(file_stems(suite.variants)),
       image_directory_(std::move(image_directory)),
       animation_(scene),
       frame_(animation_.frame(animation_.frames() / 3)),
-      valid_(valid_receivers(frame_.receivers)) {
+      valid_(valid_receivers(frame_.receivers)),
+      light_(light_scale(frame_.light, frame_.receivers)),
+      black_(black_level(frame_.light, frame_.receivers)) {
   settings_.truth_noise = suite.truth_noise;
   key_ = reference_key(frame_, Rung::truth, settings_);
   if (!scene.spheres.empty()) key_ += "-" + reference_key(frame_, Rung::spheres, settings_);
 }
 
-Row SceneRun::empty_row(const Variant& variant) const {
+Row row_of(const Scene& scene, const Variant& variant) {
   Row row;
-  row.scene = scene_.name;
-  row.scene_key = key_;
-  row.spheres = scene_.spheres.size();
-  row.objective = scene_.objective;
-  row.receivers = std::size_t(scene_.receivers.size());
+  row.scene = scene.name;
+  row.spheres = scene.spheres.size();
+  row.objective = scene.objective;
+  row.receivers = std::size_t(scene.receivers.size());
   row.technique = variant.entry->name;
   row.backend = variant.entry->backend;
   row.parameters = variant.parameters;
   row.threads = variant.threads;
+  return row;
+}
+
+Row SceneRun::empty_row(const Variant& variant) const {
+  Row row = row_of(scene_, variant);
+  row.scene_key = key_;
   return row;
 }
 
@@ -80,7 +84,10 @@ void SceneRun::make_references(const std::vector<Variant>& variants, Progress& p
       references_[{rung, n}] = cached_reference(frame_, rung, settings_);
     }
   }
-  exposure_ = exposure_for(truth().mean, valid_);
+  if (!(rms(truth().mean, valid_) > black_))
+    progress.note_once(
+        black_note(scene_.name, frame_.light, frame_.receivers, rms(truth().unshadowed, valid_) > black_));
+  exposure_ = exposure_for(truth().mean, valid_, light_);
   regions_ = classify(truth().mean.pixels, truth().unshadowed.pixels, valid_);
   write_images("truth", truth().mean);
 }
@@ -124,18 +131,18 @@ void SceneRun::score(const Image& image, const Parameters& parameters, Row& row)
   for (const auto& [which, reference] : references_) {
     if (which.second != 0 && which.second != resolution_of(parameters)) continue;
     RungErrors& errors = row.errors[to_string(which.first)];
-    errors.report = compare_images(image, reference.mean, regions_, valid_, exposure_);
+    errors.report = compare_images(image, reference.mean, regions_, valid_, exposure_, black_);
     errors.noise = reference.noise(valid_);
-    const double scale = rms(reference.mean, valid_);
-    errors.rel_noise = scale > 0.0 ? errors.noise / scale : 0.0;
+    errors.rel_noise = relative(errors.noise, rms(reference.mean, valid_), black_);
   }
   if (baseline_)
-    row.errors[baseline_->first].report = compare_images(image, baseline_->second.mean, regions_, valid_, exposure_);
+    row.errors[baseline_->first].report =
+        compare_images(image, baseline_->second.mean, regions_, valid_, exposure_, black_);
   const int n = resolution_of(parameters);
   const auto cube = references_.find({Rung::cube, n}), spheres = references_.find({Rung::spheres, n});
   if (cube == references_.end() || spheres == references_.end()) return;
-  const double scale = rms(cube->second.mean, valid_);
-  if (scale > 0.0) row.geometry = rms(difference(spheres->second.mean, cube->second.mean), valid_) / scale;
+  row.geometry = relative(rms(difference(spheres->second.mean, cube->second.mean), valid_),
+                          rms(cube->second.mean, valid_), black_);
 }
 
 void SceneRun::shade_and_score(const Variant& variant, Candidate& c) const {
@@ -169,10 +176,10 @@ void SceneRun::shade_and_score(const Variant& variant, Candidate& c) const {
   }
   score(c.image, variant.parameters, c.row);
   const auto spheres = references_.find({Rung::spheres, resolution_of(variant.parameters)});
-  if (attribution_ && spheres != references_.end())
+  if (attribution_ && spheres != references_.end() && rms(spheres->second.mean, valid_) > black_)
     c.row.steps = attribute_error(c.technique->approximations(), spheres->second.mean, c.image, valid_);
   if (!sequence_) return;
-  const std::string sheet = image_directory_ + "/" + file_name(variant.label()) + ".sheet.png";
+  const std::string sheet = image_directory_ + "/" + stems_.at(variant.label()) + ".sheet.png";
   tbb::task_arena(variant.threads).execute([&] { c.row.sequence = sequence_->score(*c.technique, exposure_, sheet); });
 }
 
@@ -202,11 +209,13 @@ SceneRun::Candidate SceneRun::check(const Variant& variant) const {
   return c;
 }
 
-void SceneRun::write_images(const std::string& name, const Image& image) const {
-  const std::string base = image_directory_ + "/" + file_name(name);
-  save_exr(base + ".exr", image);
-  save_png(base + ".png", exposed(image, exposure_));
-  if (&image != &truth().mean) save_png(base + ".error.png", signed_error(image, truth().mean, exposure_));
+void SceneRun::write_images(const std::string& stem, const Image& image) const {
+  const std::string base = image_directory_ + "/" + stem;
+  try_to_save([&] {
+    save_exr(base + ".exr", image);
+    save_png(base + ".png", exposed(image, exposure_));
+    if (&image != &truth().mean) save_png(base + ".error.png", signed_error(image, truth().mean, exposure_));
+  });
 }
 
 void SceneRun::write_overview(const std::vector<Candidate>& candidates) const {
@@ -222,7 +231,7 @@ void SceneRun::write_overview(const std::vector<Candidate>& candidates) const {
     for (const std::vector<Image>* from : {&images, &errors})
       rows.emplace_back(from->begin() + std::ptrdiff_t(k),
                         from->begin() + std::ptrdiff_t(std::min(images.size(), k + columns)));
-  if (images.size() > 1) save_png(image_directory_ + "/overview.png", contact_sheet(rows));
+  if (images.size() > 1) try_to_save([&] { save_png(image_directory_ + "/overview.png", contact_sheet(rows)); });
 }
 
 std::vector<Row> SceneRun::measure(const std::vector<Variant>& variants, int repetitions, Progress& progress) {
@@ -233,7 +242,7 @@ std::vector<Row> SceneRun::measure(const std::vector<Variant>& variants, int rep
     candidates.push_back(check(variant));
     const Candidate& c = candidates.back();
     if (c.row.status.starts_with("failed")) progress.note(c.row.name() + ": " + c.row.status);
-    if (c.row.ok()) write_images(variant.label(), c.image);
+    if (c.row.ok()) write_images(stems_.at(variant.label()), c.image);
   }
 
   write_overview(candidates);

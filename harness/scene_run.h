@@ -7,6 +7,9 @@
 
 namespace penumbra {
 
+/// Names and inputs of a variant on a scene, nothing measured.
+Row row_of(const Scene& scene, const Variant& variant);
+
 class SceneRun {
  public:
   /// The scene and registry must outlive this.
@@ -16,6 +19,7 @@ class SceneRun {
   Row empty_row(const Variant& variant) const;
   /// Truths of every frame: variants checked after this are scored over the whole motion too.
   void make_sequence(Progress& progress);
+  /// Says so if the truth is black. Throws Error if a reference is not finite.
   void make_references(const std::vector<Variant>& variants, Progress& progress);
   /// Checks every variant, times those that pass, and scores them. Rows come in the order of the variants; when
   /// interrupted, unfinished ones are left out.
@@ -36,7 +40,7 @@ class SceneRun {
   void shade_and_score(const Variant& variant, Candidate& candidate) const;
   double view_ms(int threads) const;
   void score(const Image& image, const Parameters& parameters, Row& row) const;
-  void write_images(const std::string& name, const Image& image) const;
+  void write_images(const std::string& stem, const Image& image) const;
   void write_overview(const std::vector<Candidate>& candidates) const;
   const Reference& truth() const { return references_.at({Rung::truth, 0}); }
 
@@ -44,10 +48,12 @@ class SceneRun {
   const Registry& registry_;
   ReferenceSettings settings_;
   bool attribution_;
+  std::map<std::string, std::string> stems_;  ///< of image files, by label
   std::string image_directory_, key_;
   Animation animation_;
   Frame frame_;  ///< the scored frame: a third through the motion
   std::vector<bool> valid_;
+  double light_, black_;                                  ///< light_scale() and black_level() of the scored frame
   std::map<std::pair<Rung, int>, Reference> references_;  ///< by rung and resolution (0 where it has none)
   std::vector<Region> regions_;
   std::optional<Sequence> sequence_;

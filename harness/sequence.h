@@ -13,15 +13,16 @@ class Sequence {
   Sequence(const Scene& scene, const ReferenceSettings& settings, const std::function<void(int frame)>& tick);
 
   /// Shades every frame. The technique must be prepared. Writes a contact sheet: truth, image and signed error in
-  /// columns by frame.
+  /// columns by frame; one that cannot be written is a warning.
   SequenceErrors score(Technique& technique, double exposure, const std::string& sheet_file) const;
 
  private:
   const Scene& scene_;
   std::vector<Image> truth_;
   std::vector<std::vector<bool>> valid_;
-  std::vector<double> coverage_;
-  double rel_noise_ = 0.0, carry_ms_ = 0.0;
+  std::vector<double> coverage_, black_;  ///< black_: the RMS up to which a frame's truth counts as black
+  std::vector<std::optional<double>> rel_noise_;
+  double carry_ms_ = 0.0;
 };
 
 }  // namespace penumbra

@@ -75,7 +75,7 @@ std::string make_baseline_table(const std::string& baseline, const std::vector<R
       if (at == row->errors.end()) continue;
       const Errors& e = at->second.report.all;
       const auto optional = [](const std::optional<double>& v) { return v ? fmt::format("{:.4f}", *v) : ""; };
-      lines += fmt::format("| {} | {:.3g} | {} | {} |\n", columns(*row, good), 100.0 * e.rel_rmse, optional(e.ssim),
+      lines += fmt::format("| {} | {} | {} | {} |\n", columns(*row, good), percent_text(e.rel_rmse), optional(e.ssim),
                            optional(e.flip));
     }
     if (!lines.empty())
@@ -89,6 +89,20 @@ std::string make_baseline_table(const std::string& baseline, const std::vector<R
   return text;
 }
 
+namespace {
+
+/// The cheapest row of a technique whose error against truth is defined and within the limit.
+const Row* cheapest_within(double limit, const std::string& technique, const std::vector<const Row*>& rows) {
+  const Row* best = nullptr;
+  for (const Row* row : rows)
+    if (row->technique == technique && row->truth_error() && *row->truth_error() <= limit &&
+        (!best || row->median_frame_ms() < best->median_frame_ms()))
+      best = row;
+  return best;
+}
+
+}  // namespace
+
 std::string make_choice_table(const std::vector<Row>& rows) {
   constexpr double limits[] = {0.01, 0.03, 0.1};
   std::string text;
@@ -97,19 +111,20 @@ std::string make_choice_table(const std::vector<Row>& rows) {
     std::vector<std::string> techniques;
     for (const Row* row : good) add_distinct(std::vector{row->technique}, techniques);
     if (techniques.size() < 2) continue;
-    text += fmt::format("\n## {}: the cheapest row of each technique within an error\n\n| technique |", scene);
+    text += fmt::format("\n## {}: the cheapest row of each technique within an error\n\n", scene);
+    if (std::none_of(good.begin(), good.end(), [](const Row* row) { return row->truth_error().has_value(); })) {
+      text += "None: the truth is black, and relative errors are undefined.\n";
+      continue;
+    }
+    text += "| technique |";
     for (const double limit : limits) text += fmt::format(" {:g} % |", 100.0 * limit);
     text += "\n|---|---|---|---|\n";
     for (const std::string& technique : techniques) {
       text += "| " + technique + " |";
       for (const double limit : limits) {
-        const Row* best = nullptr;
-        for (const Row* row : good)
-          if (row->technique == technique && row->truth_error() <= limit &&
-              (!best || row->median_frame_ms() < best->median_frame_ms()))
-            best = row;
+        const Row* best = cheapest_within(limit, technique, good);
         text += best ? fmt::format(" {:.2f} ms, {:.2f} %, {} {} |", best->median_frame_ms(),
-                                   100.0 * best->truth_error(), best->backend, telling_parameters(*best, good))
+                                   100.0 * *best->truth_error(), best->backend, telling_parameters(*best, good))
                      : " |";
       }
       text += "\n";

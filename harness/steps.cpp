@@ -50,12 +50,8 @@ std::string make_steps_table(const std::vector<Row>& rows) {
     for (const StepError& step : row.steps)
       steps += fmt::format("{}{} {:.3g} ({:.0f})", steps.empty() ? "" : ", ", step.name, 100.0 * step.rel_rmse,
                            100.0 * step.share);
-    const auto spheres = row.errors.find("spheres");
-    text += fmt::format(
-        "| {} | {} | {} {} | {} | {} | {} | {:.3g} |\n", row.scene, row.variant(), row.spheres, row.objective,
-        row.geometry < 0.0 ? "" : fmt::format("{:.3g}", 100.0 * row.geometry), steps,
-        spheres == row.errors.end() ? "" : fmt::format("{:.3g}", 100.0 * spheres->second.report.all.rel_rmse),
-        100.0 * row.truth_error());
+    text += fmt::format("| {} | {} | {} {} | {} | {} | {} | {} |\n", row.scene, row.variant(), row.spheres,
+                        row.objective, geometry_text(row), steps, rung_text(row, "spheres"), rung_text(row, "truth"));
   }
   return text;
 }

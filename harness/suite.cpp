@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "scenes/assets.h"
@@ -140,6 +141,9 @@ void add_variants(TomlReader& at, const Registry& registry, const std::vector<in
         variant.parameters = given.resolve(variant.entry->parameters, variant.entry->title());
         for (const int count : counts_for(backend, own.empty() ? threads : own)) {
           variant.threads = count;
+          const auto same = [&, label = variant.label()](const Variant& other) { return other.label() == label; };
+          if (std::any_of(suite.variants.begin(), suite.variants.end(), same))
+            throw Error("[[technique]] lists {} a second time; allowed is every combination once", variant.label());
           suite.variants.push_back(variant);
         }
       }
@@ -154,10 +158,12 @@ void add_variants(TomlReader& at, const Registry& registry, const std::vector<in
 Suite load_suite(const std::string& name_or_path, const Registry& registry, int threads) {
   TomlReader file = TomlReader::open(shipped_file(name_or_path, "suites"));
   Suite suite;
-  suite.name = file.required("name", file.text("name"), "a name for tables");
+  suite.name = read_name(file);
   suite.scenes = texts_of(file, "scenes");
   if (suite.scenes.empty()) throw Error("{}: key 'scenes' is missing: a list of scene names or paths", file.where());
+  suite.scenes_where = file.where("scenes");
   suite.spheres = sphere_choices(file);
+  suite.spheres_where = file.where(file.has("spheres") ? "spheres" : file.has("objective") ? "objective" : "scenes");
   suite.repetitions = file.integer("repetitions", 1, 1000).value_or(9);
   suite.truth_noise = file.number("truth_noise", 1e-5, 1.0).value_or(0.002);
   suite.sequence = file.boolean("sequence").value_or(false);

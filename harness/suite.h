@@ -25,6 +25,7 @@ struct PublishedTime {
 struct Suite {
   std::string name;
   std::vector<std::string> scenes;
+  std::string scenes_where, spheres_where;  ///< "file:line" of the keys, for messages
   std::vector<SphereChoice> spheres;  ///< what replaces the scenes' own sphere sets; one empty entry: nothing does
   std::vector<Variant> variants;
   int repetitions = 9;

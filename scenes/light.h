@@ -20,6 +20,7 @@ struct AreaLight {
   vec3 point(float u, float v) const;  ///< equal areas of [0, 1]^2 are equal areas of the light (disc: Shirley 1997)
 };
 
+/// Edges or normal of any length. Parallel edges and a radius of 0 make a lamp without area, which gives no light.
 AreaLight make_rectangle(vec3 centre, vec3 edge_u, vec3 edge_v, vec3 radiance);
 AreaLight make_disc(vec3 centre, vec3 normal, float radius, vec3 radiance);
 

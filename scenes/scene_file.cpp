@@ -3,9 +3,12 @@
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "scenes/assets.h"
+#include "scenes/names.h"
 #include "scenes/shapes.h"
 #include "scenes/toml_reader.h"
 
@@ -219,19 +222,36 @@ Layout read_layout(TomlReader& at) {
   at.fail("mapping", "is '" + *mapping + "'; allowed are lat-long, cross, strip, angular");
 }
 
+/// A direction of any length but 0, as a unit vector: lengths that no float holds are fine.
+std::optional<vec3> read_direction(TomlReader& at, const std::string& key) {
+  const auto v = at.point(key);
+  if (!v) return {};
+  const double largest = std::max({std::abs(v->x), std::abs(v->y), std::abs(v->z)});
+  if (largest == 0.0) at.fail(key, "must not be zero");
+  return vec3(glm::normalize(*v / largest));
+}
+
+/// A place or an edge of a lamp. Farther out the square of a distance is no float.
+std::optional<dvec3> read_length(TomlReader& at, const std::string& key) {
+  const auto v = at.point(key);
+  if (v && glm::any(glm::greaterThan(glm::abs(*v), dvec3(huge))))
+    at.fail(key, fmt::format("holds a number outside [{}, {}]", -huge, huge));
+  return v;
+}
+
 AreaLight read_area_light(TomlReader at, dvec3 origin) {
-  const vec3 centre(at.required("centre", at.point("centre"), "[x, y, z]") - origin);
+  const vec3 centre(at.required("centre", read_length(at, "centre"), "[x, y, z]") - origin);
   const auto radiance = at.vector("radiance").value_or(vec3(1.0f));
   if (glm::any(glm::lessThan(radiance, vec3(0.0f)))) at.fail("radiance", "must not be negative");
   AreaLight light;
   if (at.has("radius")) {
     const double radius = *at.number("radius", 0.0, huge);
-    const vec3 normal = at.required("normal", at.vector("normal"), "the side it shines to");
-    if (normal == vec3(0.0f)) at.fail("normal", "must not be zero");
+    const vec3 normal = at.required("normal", read_direction(at, "normal"), "the side it shines to");
     light = make_disc(centre, normal, float(radius), radiance);
   } else {
-    const vec3 u = at.required("edge_u", at.vector("edge_u"), "a rectangle's edge (a disc has normal and radius)");
-    const vec3 v = at.required("edge_v", at.vector("edge_v"), "a rectangle's edge");
+    const vec3 u =
+        at.required("edge_u", read_length(at, "edge_u"), "a rectangle's edge (a disc has normal and radius)");
+    const vec3 v = at.required("edge_v", read_length(at, "edge_v"), "a rectangle's edge");
     light = make_rectangle(centre, u, v, radiance);
   }
   at.finish();
@@ -285,10 +305,22 @@ Motion read_motion(TomlReader at, dvec3 origin) {
 
 }  // namespace
 
+std::string read_name(TomlReader& file) {
+  const std::string name = file.required("name", file.text("name"), "a name for tables");
+  if (const std::string fault = name_fault(name); !fault.empty()) file.fail("name", fault);
+  return name;
+}
+
+SceneName read_scene_name(const std::string& name_or_path) {
+  const std::string path = shipped_file(name_or_path, "library");
+  TomlReader file = TomlReader::open(path);
+  return {read_name(file), path, file.where("name")};
+}
+
 Scene load_scene(const std::string& name_or_path, const SphereChoice& choice) {
   TomlReader file = TomlReader::open(shipped_file(name_or_path, "library"));
   Scene scene;
-  scene.name = file.required("name", file.text("name"), "a name for tables");
+  scene.name = read_name(file);
   const auto section = [&](const char* key) { return file.required(key, file.table(key), "a table"); };
   const Occluder occluder = read_occluder(section("occluder"), choice, scene.objective);
   scene.receiver_spec = read_receivers(section("receivers"), occluder.mesh, scene.origin);

@@ -74,6 +74,7 @@ std::optional<std::string> TomlReader::text(const std::string& key) {
 
 std::optional<vec3> TomlReader::vector(const std::string& key) {
   const auto v = point(key);
+  if (v && glm::any(glm::greaterThan(glm::abs(*v), dvec3(1e30)))) fail(key, "must hold numbers in [-1e30, 1e30]");
   return v ? std::optional(vec3(*v)) : std::nullopt;
 }
 
@@ -85,7 +86,7 @@ std::optional<dvec3> TomlReader::point(const std::string& key) {
   bool good = a && a->size() == 3;
   for (int k = 0; good && k < 3; ++k) {
     const auto value = a->get(k)->value<double>();
-    good = a->get(k)->is_number() && value && std::abs(*value) < 1e30;  // also refuses NaN
+    good = a->get(k)->is_number() && value && std::abs(*value) < 1e150;  // also refuses NaN
     if (good) v[k] = *value;
   }
   if (!good) fail(key, "must be three finite numbers [x, y, z]");

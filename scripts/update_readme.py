@@ -39,7 +39,9 @@ def picture() -> None:
 
 def percent(row: dict, rung: str) -> str:
     errors = row["errors"].get(rung)
-    return f"{100 * errors['rel_rmse']:.3g}" if errors else ""
+    if not errors:
+        return ""
+    return "undefined" if errors["rel_rmse"] is None else f"{100 * errors['rel_rmse']:.3g}"
 
 
 def table() -> str:
@@ -55,7 +57,8 @@ def table() -> str:
     for r in rows:
         error, time = r["errors"]["truth"]["rel_rmse"], r["frame_ms"]
         others = [(o["frame_ms"], o["errors"]["truth"]["rel_rmse"]) for o in rows if o is not r]
-        beaten = any(t <= time and e <= error and (t, e) != (time, error) for t, e in others)
+        beaten = error is None or any(  # a black truth has no relative errors, and no row is best
+            e is not None and t <= time and e <= error and (t, e) != (time, error) for t, e in others)
         shown = {k: v for k, v in r["parameters"].items() if k in ("rays", "visibility", "order")}
         parameters = " ".join(f"{k}={v}" for k, v in shown.items())
         lines.append(

@@ -27,13 +27,13 @@ void set_axes(const AreaLight& light, double scale, LightView& view) {
   view.normal = light.normal;
   view.edge_u = light.edge_u, view.edge_v = light.edge_v;
   view.spread = float(scale * (light.shape == AreaLight::Shape::disc ? std::sqrt(pi) / 2.0 : 1.0));
-  if (!(light.area() > 0.0)) {
+  if (!(light.area() > 1e-24)) {  // a point; places in units of a smaller lamp's edges have no square in float
     orthonormal_frame(view.normal, view.edge_u, view.edge_v);
     view.spread = 0.0f;
   }
-  const vec3 n = glm::cross(view.edge_u, view.edge_v);
-  view.across_u = glm::cross(view.edge_v, n) / glm::dot(n, n);
-  view.across_v = glm::cross(n, view.edge_u) / glm::dot(n, n);
+  const dvec3 u(view.edge_u), v(view.edge_v), n = glm::cross(u, v);  // float has no fourth power of 1e-12 or 1e12
+  view.across_u = vec3(glm::cross(v, n) / glm::dot(n, n));
+  view.across_v = vec3(glm::cross(n, u) / glm::dot(n, n));
 }
 
 /// Where the valid receivers in front of the light lie: q, and depth of the farthest, m; 0 if there is none.

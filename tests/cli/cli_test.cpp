@@ -1,4 +1,5 @@
 // The program as a user meets it: output, one clear line on errors, exit codes.
+#include <fmt/format.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -89,6 +90,86 @@ TEST_F(CommandLine, MistakesAreOneLineAndCodeTwo) {
   expect_error("run no-such-suite", "quick");
   const Outcome usage = run("dance");
   EXPECT_EQ(usage.code, 2);
+}
+
+TEST_F(CommandLine, ReferencePrintsTheMeanOfEveryChannel) {
+  const std::string scene = folder_.write(
+      "open.toml",
+      "name = \"open\"\n[occluder]\nmesh = \"none\"\n[receivers]\nplane = { half_extent = 1.0, resolution = 16 }\n"
+      "albedo = [0.797, 0.5, 0.0]\n[light]\nenvironment = \"constant\"\n");
+  const Outcome line = run("reference " + scene + " --rung cube");
+  EXPECT_NE(line.out.find("mean (0.79"), std::string::npos) << line.out;
+  EXPECT_EQ(line.out.find('\n'), line.out.size() - 1) << line.out;
+  const auto json = nlohmann::json::parse(run("reference " + scene + " --rung cube --json").out);
+  EXPECT_NEAR(json["mean"][0].get<double>(), 0.797, 1e-3);
+  EXPECT_NEAR(json["mean"][1].get<double>(), 0.5, 1e-3);
+  EXPECT_EQ(json["mean"][2], 0.0);
+  EXPECT_EQ(json["rel_noise"], 0.0);
+  EXPECT_EQ(json["black"], false);
+  const std::string mean =
+      fmt::format("mean ({:.5g}, {:.5g}, 0)", json["mean"][0].get<double>(), json["mean"][1].get<double>());
+  EXPECT_NE(line.out.find(mean), std::string::npos) << line.out << mean;
+}
+
+TEST_F(CommandLine, ABlackTruthAsksWhetherTheLampFacesAway) {
+  const auto lamp = [&](const std::string& normal) {
+    return folder_.write("lamp.toml",
+                         "name = \"lamp\"\n[occluder]\nmesh = \"box\"\n[receivers]\nplane = { half_extent = 1.0, "
+                         "resolution = 8, y = -1.0 }\n[light]\narea = { centre = [0, 9, 0], normal = " +
+                             normal + ", radius = 1.0 }\n");
+  };
+  const std::string asked =
+      "scene lamp: the truth is black: no receiver gets light; does the lamp face away? it shines "
+      "along (0, 1, 0) from (0, 9, 0)\n";
+  const std::string away = lamp("[0, 1e-25, 0]");
+  const Outcome reference = run("reference " + away);
+  EXPECT_EQ(reference.code, 0);
+  EXPECT_EQ(reference.err, asked);
+  EXPECT_NE(reference.out.find("standard error undefined"), std::string::npos) << reference.out;
+  const auto json = nlohmann::json::parse(run("reference --json " + away).out);
+  EXPECT_TRUE(json["rel_noise"].is_null());
+  EXPECT_EQ(json["black"], true);
+  EXPECT_EQ(run("render " + away + " --technique ray-traced -o " + folder_.path() + "/a.png").err, asked);
+  const std::string suite =
+      folder_.write("suite.toml", "name = \"s\"\nscenes = [\"" + away +
+                                      "\"]\nrepetitions = 1\n[[technique]]\nname = \"ray-traced\"\n");
+  EXPECT_NE(run("run " + suite + " --out " + folder_.path() + "/out").err.find(asked), std::string::npos);
+  const auto down = nlohmann::json::parse(run("reference --json " + lamp("[0, -1, 0]")).out)["mean"];
+  EXPECT_GT(down[0], 0.005);
+  for (const char* normal : {"[0, -1e-25, 0]", "[0, -1e25, 0]", "[0, -1e-200, 0]", "[0, -1e300, 0]"}) {
+    const Outcome facing = run("reference --json " + lamp(normal));
+    EXPECT_EQ(facing.err, "") << normal;
+    EXPECT_EQ(nlohmann::json::parse(facing.out)["mean"], down) << normal;
+  }
+  expect_error("reference " + lamp("[0, 0, 0]"), "must not be zero");
+  for (const char* normal : {"[0, nan, 0]", "[0, inf, 0]", "[0, 1]", "\"down\""})
+    expect_error("reference " + lamp(normal), "lamp.toml:7: key 'light.area.normal' must be three finite numbers");
+}
+
+TEST_F(CommandLine, ATruthThatIsNotFiniteIsAnError) {
+  const std::string scene = folder_.write(
+      "bright.toml",
+      "name = \"bright\"\n[occluder]\nmesh = \"none\"\n[receivers]\nplane = { half_extent = 1.0, resolution = 4 }\n"
+      "[light]\narea = { centre = [0, 9, 0], normal = [0, -1, 0], radius = 1.0, radiance = [1e29, 1, 1] }\n");
+  expect_error("reference " + scene, "truth: receiver 0 at");
+  expect_error("reference " + scene, "variance inf");
+}
+
+TEST_F(CommandLine, NamesThatLeaveTheFolderAreRefused) {
+  const std::string scene = folder_.write(
+      "n.toml",
+      "name = \"../../escape\"\n[occluder]\nmesh = \"none\"\n[receivers]\nplane = { half_extent = 1.0, resolution = 4 "
+      "}\n[light]\nenvironment = \"constant\"\n");
+  const std::string suite =
+      folder_.write("s.toml", "name = \"s\"\nscenes = [\"" + scene + "\"]\n[[technique]]\nname = \"ray-traced\"\n");
+  const std::string why = "n.toml:1: key 'name' is '../../escape', which holds '/'; allowed";
+  expect_error("reference " + scene, why);
+  expect_error("render " + scene + " --technique ray-traced -o x.exr", why);
+  expect_error("run " + suite + " --out " + folder_.path() + "/out", why);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/out"));
+  const std::string named = folder_.write(
+      "t.toml", "name = \"a/b\"\nscenes = [\"" + tiny_scene() + "\"]\n[[technique]]\nname = \"ray-traced\"\n");
+  expect_error("run " + named + " --out " + folder_.path() + "/out", "t.toml:1: key 'name' is 'a/b'");
 }
 
 TEST_F(CommandLine, InterruptedRunsKeepFinishedRowsAndResume) {

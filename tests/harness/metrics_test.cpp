@@ -22,10 +22,10 @@ TEST(Metrics, HandComputed) {
   const std::vector<Region> regions = {Region::lit, Region::penumbra, Region::lit, Region::umbra};
   const ErrorReport report = compare_images(image, reference, regions, std::vector<bool>(4, true), 1.0);
   EXPECT_NEAR(report.all.rmse, std::sqrt((0.01 + 0.09) / 4), 1e-7);
-  EXPECT_NEAR(report.all.rel_rmse, std::sqrt(0.1 / 4) / std::sqrt(6.0 / 4), 1e-7);
+  EXPECT_NEAR(*report.all.rel_rmse, std::sqrt(0.1 / 4) / std::sqrt(6.0 / 4), 1e-7);
   EXPECT_NEAR(report.all.max, 0.3, 1e-7);
   EXPECT_NEAR(report.all.mean_signed, -0.05, 1e-7);
-  EXPECT_NEAR(report.all.psnr, 20 * std::log10(2 / std::sqrt(0.025)), 1e-5);
+  EXPECT_NEAR(*report.all.psnr, 20 * std::log10(2 / std::sqrt(0.025)), 1e-5);
   EXPECT_EQ(report.all.receivers, 4u);
   EXPECT_FALSE(report.all.ssim) << "too small for a window";
   EXPECT_FALSE(report.all.flip);
@@ -34,7 +34,7 @@ TEST(Metrics, HandComputed) {
   EXPECT_NEAR(report.region[1].rmse, 0.3, 1e-7);
   EXPECT_NEAR(report.region[1].mean_signed, -0.3, 1e-7);
   EXPECT_NEAR(report.region[2].rmse, std::sqrt(0.01 / 2), 1e-7);
-  EXPECT_NEAR(report.region[2].rel_rmse, std::sqrt(0.005) / std::sqrt(1.5), 1e-7) << "over the whole image's RMS";
+  EXPECT_NEAR(*report.region[2].rel_rmse, std::sqrt(0.005) / std::sqrt(1.5), 1e-7) << "over the whole image's RMS";
 }
 
 TEST(Metrics, ChannelsCountEach) {
@@ -58,7 +58,35 @@ TEST(Metrics, InvalidReceiversDoNotCount) {
   const Errors e = compare_images(image, reference, std::vector<Region>(2, Region::lit), {true, false}, 1.0).all;
   EXPECT_EQ(e.receivers, 1u);
   EXPECT_EQ(e.rmse, 0.0);
-  EXPECT_TRUE(std::isinf(e.psnr));
+  EXPECT_TRUE(std::isinf(*e.psnr));
+}
+
+TEST(Metrics, ABlackReferenceHasNoRelativeErrors) {
+  const Image black = grey(std::vector<float>(144, 0.0f), 12), dim = grey(std::vector<float>(144, 0.25f), 12);
+  const std::vector<bool> valid(144, true);
+  const std::vector<Region> umbra(144, Region::umbra);
+  const Errors wrong = compare_images(dim, black, umbra, valid, 1.0).all;
+  EXPECT_NEAR(wrong.rmse, 0.25, 1e-7) << "the error itself is there";
+  EXPECT_FALSE(wrong.rel_rmse);
+  EXPECT_FALSE(wrong.psnr) << "no peak, no decibels";
+  const ErrorReport right = compare_images(black, black, umbra, valid, 1.0);
+  EXPECT_FALSE(right.all.rel_rmse) << "0 / 0 is not 0 %";
+  EXPECT_FALSE(right.all.psnr);
+  EXPECT_EQ(*right.all.ssim, 1.0);
+  EXPECT_EQ(*right.all.flip, 0.0);
+  EXPECT_FALSE(right.region[0].rel_rmse);
+  const Image crumbs = grey(std::vector<float>(144, 1e-18f), 12);
+  EXPECT_FALSE(compare_images(dim, crumbs, umbra, valid, 1.0, 1e-12).all.rel_rmse);
+  EXPECT_NEAR(*compare_images(dim, crumbs, umbra, valid, 1.0, 1e-20).all.rel_rmse, 2.5e17, 1e12);
+}
+
+TEST(Metrics, WithoutReceiversNothingIsScored) {
+  const Image image = grey({1, 2}, 2);
+  const ErrorReport report = compare_images(image, image, {Region::lit, Region::lit}, {false, false}, 1.0);
+  EXPECT_EQ(report.all.receivers, 0u);
+  EXPECT_FALSE(report.all.rel_rmse || report.all.psnr || report.region[2].rel_rmse);
+  EXPECT_FALSE(mean(image, {false, false}));
+  EXPECT_EQ(*mean(image, {false, true}), dvec3(2.0));
 }
 
 TEST(Metrics, RegionsGoByTheShareThatArrives) {
@@ -74,6 +102,11 @@ TEST(Metrics, ExposureBringsTheBrightestToEightTenths) {
   values[3] = 1e6f;  // one firefly does not decide
   EXPECT_NEAR(exposure_for(grey(values, 100), std::vector<bool>(1000, true)), 1.6, 1e-5);
   EXPECT_EQ(exposure_for(grey({0, 0}, 2), {true, true}), 1.0);
+  EXPECT_NEAR(exposure_for(grey({0, 0}, 2), {true, true}, 4.0), 0.2, 1e-12) << "black: the light decides";
+  EXPECT_NEAR(exposure_for(grey({0, 1e-18f}, 2), {true, true}, 4.0), 0.2, 1e-12);
+  std::vector<float> one(1000, 0.0f);
+  one[7] = 1.6f;
+  EXPECT_NEAR(exposure_for(grey(one, 100), std::vector<bool>(1000, true), 4.0), 0.5, 1e-6);
 }
 
 // By hand: two constant images have no variance, so SSIM = (2ab + C1) / (a^2 + b^2 + C1).

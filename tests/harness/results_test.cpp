@@ -21,6 +21,8 @@ Row row_with(const std::string& technique, double ms, double error, double noise
   row.stages = {{"map", {1, 3, 2}}, {"filter", {4, 4, 5}}};
   row.view_ms = 12.5;
   row.bytes = {1, 2, 3};
+  row.errors["truth"].report.all.receivers = 5;
+  row.errors["truth"].report.all.rmse = error;
   row.errors["truth"].report.all.rel_rmse = error;
   row.errors["truth"].report.all.ssim = 0.9;
   row.errors["truth"].report.region[1].receivers = 5;
@@ -92,6 +94,71 @@ TEST(Results, DifferencesBelowTheNoiseAreTies) {
   const Row slow = row_with("slow", 20, 0.001, 0.01), fast = row_with("fast", 2, 0.009, 0.01);
   EXPECT_EQ(pareto_optimal({&slow, &fast}), (std::vector<bool>{false, true}));
   EXPECT_NE(make_table({slow, fast}).find("(tie)"), std::string::npos);
+}
+
+/// As on a black truth: an error, but nothing that it is relative to.
+Row undefined_row(const std::string& technique, double ms, double rmse) {
+  Row row = row_with(technique, ms, 0.0);
+  Errors& all = row.errors["truth"].report.all;
+  all = {};
+  all.receivers = 576, all.rmse = rmse;
+  row.errors["truth"].rel_noise.reset();
+  row.errors["cube"] = row.errors["spheres"] = row.errors["truth"];
+  return row;
+}
+
+TEST(Results, UndefinedErrorsAreNeitherZeroNorBest) {
+  const Row fast = undefined_row("fast", 1, 0.0027), slow = undefined_row("slow", 2, 0.0);
+  EXPECT_FALSE(fast.truth_error());
+  EXPECT_EQ(pareto_optimal({&fast, &slow}), (std::vector<bool>{false, false}));
+  const std::string text = make_table({fast, slow});
+  EXPECT_NE(text.find("undefined (RMSE 0.0027) | undefined (RMSE 0.0027) | undefined (RMSE 0.0027) | undefined |"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("The truth is black"), std::string::npos);
+  for (const char* wrong : {"| P |", "| 0 |  |", "(tie) |", "inf", "nan"})
+    EXPECT_EQ(text.find(wrong), std::string::npos) << wrong;
+  const std::size_t second = text.find("by error against truth");
+  EXPECT_LT(text.find("| slow |", second), text.find("| fast |", second)) << "ordered by RMSE";
+  const std::string choice = make_choice_table({fast, slow});
+  EXPECT_NE(choice.find("the truth is black"), std::string::npos) << choice;
+  EXPECT_EQ(choice.find(" ms"), std::string::npos) << choice;
+  EXPECT_NE(make_baseline_table("cube", {fast}).find("| undefined |"), std::string::npos);
+  Row with_steps = fast;
+  with_steps.steps = {{"light", 0.02, 1.0}};
+  EXPECT_NE(make_steps_table({with_steps}).find("| undefined | light 2 (100) | undefined | undefined |"),
+            std::string::npos);
+}
+
+TEST(Results, UndefinedRowsNeitherBeatNorAreBeaten) {
+  const Row dark = undefined_row("dark", 1, 0.0), lit = row_with("lit", 2, 0.1);
+  EXPECT_EQ(pareto_optimal({&dark, &lit}), (std::vector<bool>{false, true}));
+  EXPECT_EQ(make_choice_table({dark, lit}).find("dark | 1"), std::string::npos);
+}
+
+TEST(Results, UndefinedErrorsAreNullInJsonAndReadBack) {
+  const Row row = undefined_row("a", 1, 0.0027);
+  const nlohmann::json json = nlohmann::json::parse(to_json(row).dump());
+  const nlohmann::json& truth = json["errors"]["truth"];
+  for (const char* key : {"rel_rmse", "psnr", "rel_noise"}) EXPECT_TRUE(truth[key].is_null()) << key;
+  EXPECT_EQ(truth["rmse"], 0.0027);
+  for (const char* key : {"rmse", "rel_rmse", "max", "mean_signed", "psnr"})
+    EXPECT_TRUE(truth["regions"]["umbra"][key].is_null()) << key << ": there is no receiver in the umbra";
+  EXPECT_TRUE(json["geometry_rel_rmse"].is_null());
+  const Row back = row_from_json(json);
+  EXPECT_EQ(to_json(back), to_json(row));
+  EXPECT_FALSE(back.truth_error() || back.geometry || back.errors.at("truth").report.all.psnr);
+  Row equal = row_with("b", 1, 0.0);
+  equal.errors["truth"].report.all.psnr = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(std::isinf(*row_from_json(to_json(equal)).errors.at("truth").report.all.psnr));
+}
+
+TEST(Results, AStatusThatIsNoUtf8IsWritten) {
+  const test::TemporaryFolder folder;
+  Row row = row_with("a", 1, 0.1);
+  row.status = "failed: \xff.exr: no such image file";
+  write_results(folder.path(), machine_context(), {row});
+  EXPECT_TRUE(read_results(folder.path())[0].status.ends_with(".exr: no such image file"));
 }
 
 TEST(Results, FilesAreReadBackAndDamageIsNoticed) {

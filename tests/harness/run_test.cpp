@@ -1,6 +1,8 @@
 // A whole run with techniques that misbehave.
 #include "harness/run.h"
 
+#include <set>
+
 #include "cuda/host/registry.h"
 #include "cuda/host/runtime_host.h"
 #include "harness/results.h"
@@ -15,6 +17,7 @@ class Fake : public Technique {
  public:
   explicit Fake(std::string mode) : mode_(std::move(mode)) {}
   void prepare(const Scene&) override {
+    if (mode_ == "spy") seen = test::read_text(watched);
     if (mode_ == "throws") throw std::runtime_error("out of ideas");
     if (mode_ == "unsupported") throw Unsupported("not this scene");
   }
@@ -22,9 +25,11 @@ class Fake : public Technique {
   void shade(View<vec3> radiance) override {
     if (mode_ == "throws-later" && frames_ > 3) throw std::runtime_error("tired");
     for (std::size_t i = 0; i < radiance.size(); ++i)
-      radiance[i] = vec3(mode_ == "wrong" ? 0.9f : mode_ == "nan" ? NAN : 1.0f);
+      radiance[i] = vec3(mode_ == "wrong" ? 0.9f : mode_ == "nan" ? NAN : mode_ == "black" ? 0.0f : 1.0f);
   }
   Footprint footprint() const override { return {1, 2, 3}; }
+
+  static inline std::string watched, seen;  ///< "spy": what the file held when the last scene was prepared
 
  private:
   std::string mode_;
@@ -47,7 +52,7 @@ class Runs : public testing::Test {
                            "name = \"tiny\"\n[occluder]\nmesh = \"box\"\n[receivers]\nplane = { half_extent = 1.0, "
                            "resolution = 16, y = -1.0 }\n"
                            "[light]\nenvironment = \"constant\"\n");
-    for (const char* mode : {"good", "throws", "throws-later", "nan", "unsupported"})
+    for (const char* mode : {"good", "throws", "throws-later", "nan", "unsupported", "black", "spy"})
       registry_.add(fake(mode, "scalar", mode));
     registry_.add(fake("good", "simd", "wrong"));
     Entry absent = fake("absent", "simd", "good");
@@ -193,6 +198,122 @@ TEST_F(Runs, WrongInputTouchesNothing) {
   EXPECT_NE(test::error_of([&] { run(suite_text({{"good", "scalar"}})); }), "");
   testing::internal::GetCapturedStdout();
   EXPECT_EQ(test::read_text(out() + "/results.json"), before);
+}
+
+std::string scene_named(const std::string& name, const std::string& light, const std::string& spheres = "") {
+  return "name = \"" + name + "\"\n[occluder]\nmesh = \"box\"\n" + spheres +
+         "[receivers]\nplane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n[light]\n" + light + "\n";
+}
+
+constexpr const char* constant = "environment = \"constant\"";
+
+/// A suite of several scenes and one technique.
+std::string suite_of(const std::vector<std::string>& scenes, const std::string& technique = "good",
+                     const std::string& more = "") {
+  std::string list;
+  for (const std::string& scene : scenes) list += (list.empty() ? "\"" : ", \"") + scene + "\"";
+  return "name = \"t\"\nscenes = [" + list + "]\ntruth_noise = 0.05\n" + more + "[[technique]]\nname = \"" + technique +
+         "\"\nbackend = \"scalar\"\n";
+}
+
+TEST_F(Runs, OnABlackTruthNothingIsBest) {
+  Image below{32, 16, std::vector<vec3>(32 * 16, vec3(0.0f))};
+  for (int i = 32 * 8; i < 32 * 16; ++i) below.pixels[i] = vec3(1.0f);
+  save_exr(folder_.path() + "/below.exr", below);
+  for (const std::string light :
+       {"environment = \"below.exr\"", "area = { centre = [0, 3, 0], normal = [0, 1, 0], radius = 0.5 }",
+        "area = { centre = [0, 3, 0], edge_u = [0, 0, 1], edge_v = [1, 0, 0], radiance = [1e9, 1e9, 1e9] }"}) {
+    const std::string scene = folder_.write("dark.toml", scene_named("dark", light));
+    const std::string suite = suite_of({scene}) + "[[technique]]\nname = \"black\"\nbackend = \"scalar\"\n";
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(run(suite), 0);
+    const std::string notes = testing::internal::GetCapturedStderr();
+    EXPECT_NE(notes.find("scene dark: the truth is black: no receiver gets light"), std::string::npos) << notes;
+    for (const char* technique : {"good", "black"}) {
+      const Errors truth = row(technique).errors.at("truth").report.all;
+      EXPECT_FALSE(truth.rel_rmse || truth.psnr) << light;
+      EXPECT_NEAR(truth.rmse, technique == std::string("good") ? 1.0 : 0.0, 1e-6);
+    }
+    EXPECT_NE(table_.find("undefined (RMSE 1)"), std::string::npos) << table_;
+    for (const char* wrong : {"| P |", "(tie) |", " ms, ", "inf", "nan"})
+      EXPECT_EQ(table_.find(wrong), std::string::npos) << wrong << " in " << table_;
+    EXPECT_EQ(run(suite, true), 0) << "what is on disk reads back";
+    EXPECT_EQ(read_results(out()).size(), 2u);
+  }
+}
+
+TEST_F(Runs, ScenesOfOneNameAreRefusedBeforeAnythingIsMeasured) {
+  const auto file = [&](const char* stem, const std::string& name) {
+    return folder_.write(std::string(stem) + ".toml", scene_named(name, constant));
+  };
+  const auto refused = [&](const std::string& suite) {
+    const std::string error = test::error_of([&] { run(suite); });
+    testing::internal::GetCapturedStdout();
+    EXPECT_FALSE(std::filesystem::exists(out())) << error;
+    return error;
+  };
+  const std::string a = file("a", "same"), b = file("b", "same"), upper = file("c", "Same"), blank = file("d", "x y"),
+                    dash = file("e", "x-y");
+  std::string error = refused(suite_of({a, b}));
+  for (const char* part : {"suite.toml:2: key 'scenes'", "a.toml:1", "b.toml:1", "allowed"})
+    EXPECT_NE(error.find(part), std::string::npos) << error;
+  EXPECT_NE(refused(suite_of({a, upper})).find("'Same'"), std::string::npos);
+  EXPECT_NE(refused(suite_of({blank, dash})).find("'x-y'"), std::string::npos);
+  error = refused(suite_of({a, a}));
+  EXPECT_NE(error.find("lists " + a + " twice"), std::string::npos) << error;
+  EXPECT_NE(refused(suite_of({a, folder_.path() + "/./a.toml"})).find("twice"), std::string::npos);
+  error = refused(suite_of({a}, "good", "spheres = [4, 4]\n"));
+  EXPECT_NE(error.find("suite.toml:4: scene 'same' has 4 spheres"), std::string::npos) << error;
+  EXPECT_EQ(run(suite_of({a, dash}, "good", "spheres = [2, 4]\nobjective = [\"cover\", \"shadow\"]\n")), 0)
+      << "one scene with several sets of spheres";
+  EXPECT_EQ(read_results(out()).size(), 8u);
+}
+
+TEST_F(Runs, VariantsListedTwiceAreRefused) {
+  const std::string error = test::error_of([&] { run(suite_text({{"good", "scalar"}, {"good", "scalar"}})); });
+  EXPECT_NE(error.find("good/scalar/threads:1 a second time"), std::string::npos) << error;
+  EXPECT_NE(error.find("suite.toml:8"), std::string::npos) << error;
+}
+
+TEST_F(Runs, ImagesThatCannotBeWrittenCostNoRow) {
+  std::filesystem::create_directories(out() + "/images");
+  std::ofstream(out() + "/images/tiny-0-spheres") << "in the way of the folder";
+  EXPECT_EQ(run(suite_text({{"good", "scalar"}, {"spy", "scalar"}})), 0);
+  EXPECT_TRUE(row("good").ok() && row("spy").ok());
+  EXPECT_EQ(row("good").frame_ms.size(), 2u);
+}
+
+TEST_F(Runs, ResultsThatCannotBeWrittenAreStillPrinted) {
+  std::filesystem::create_directories(out() + "/results.json.partial/full");
+  EXPECT_EQ(run(suite_text({{"good", "scalar"}})), 1);
+  EXPECT_NE(table_.find("| good | scalar |"), std::string::npos) << table_;
+}
+
+TEST_F(Runs, ASceneWithoutATruthFailsAndTheOthersAreMeasured) {
+  const std::string bright = folder_.write(
+      "bright.toml",
+      scene_named("bright", "area = { centre = [0, 3, 0], normal = [0, -1, 0], radius = 1, radiance = [1e29, 1, 1] }"));
+  EXPECT_EQ(run(suite_of({bright, scene_})), 1);
+  const std::vector<Row> rows = read_results(out());
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_TRUE(rows[0].status.starts_with("failed: truth: receiver 0")) << rows[0].status;
+  EXPECT_TRUE(rows[1].ok());
+}
+
+TEST_F(Runs, AResumedRunKeepsWhatItHasNotReachedOnDisk) {
+  std::vector<std::string> files;
+  for (const char* name : {"a", "b", "c"})
+    files.push_back(folder_.write(std::string(name) + ".toml", scene_named(name, constant)));
+  EXPECT_EQ(run(suite_of(files, "spy")), 0);
+  folder_.write("b.toml", scene_named("b", "environment = \"softbox\""));
+  Fake::watched = out() + "/results.json";
+  EXPECT_EQ(run(suite_of(files, "spy"), true), 0);
+  std::set<std::string> on_disk;  // while b was measured
+  const auto file = nlohmann::json::parse(Fake::seen);
+  for (const auto& saved : file["benchmarks"]) on_disk.insert(saved["scene"]);
+  EXPECT_TRUE(on_disk.contains("a")) << "finished";
+  EXPECT_TRUE(on_disk.contains("c")) << "not reached";
+  EXPECT_EQ(read_results(out()).size(), 3u);
 }
 
 TEST(Thinned, KeepsEveryStrideThReceiver) {

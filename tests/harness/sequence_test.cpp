@@ -41,10 +41,10 @@ TEST(Sequence, FlickerIsTheChangeOfError) {
   const SequenceErrors calm = sequence.score(steady, 1.0, folder.path() + "/calm.png");
   ASSERT_EQ(calm.rel_rmse.size(), 4u);
   ASSERT_EQ(calm.flicker.size(), 3u);
-  EXPECT_LT(calm.flicker[0], 0.01);
+  EXPECT_LT(*calm.flicker[0], 0.01);
   const SequenceErrors loud = sequence.score(blinking, 1.0, folder.path() + "/loud.png");
-  for (const double flicker : loud.flicker) EXPECT_NEAR(flicker, 0.25, 0.01);
-  EXPECT_NEAR(loud.rel_rmse[1], 0.25, 0.01);
+  for (const auto& flicker : loud.flicker) EXPECT_NEAR(*flicker, 0.25, 0.01);
+  EXPECT_NEAR(*loud.rel_rmse[1], 0.25, 0.01);
   EXPECT_EQ(loud.coverage, std::vector<double>(4, 1.0));
   EXPECT_GT(loud.carry_ms, 0.0);
   const Image sheet = load_image(folder.path() + "/loud.png");
@@ -59,6 +59,36 @@ TEST(Sequence, FlickerIsTheChangeOfError) {
   const Row back = row_from_json(to_json(row));
   ASSERT_TRUE(back.sequence);
   EXPECT_EQ(back.sequence->flicker, loud.flicker);
+}
+
+TEST(Sequence, FramesInTheDarkDoNotCount) {
+  Row row;
+  row.scene = "s", row.technique = "t", row.backend = "scalar", row.frame_ms = {1.0};
+  row.sequence = SequenceErrors{{0.02, std::nullopt, 0.04}, {std::nullopt, 0.01}, {}, std::nullopt, 0.0};
+  EXPECT_NE(make_sequence_table({row}).find("| 3 | 3 | 4 | 1 | undefined |"), std::string::npos)
+      << make_sequence_table({row});
+  const Row back = row_from_json(nlohmann::json::parse(to_json(row).dump()));
+  EXPECT_EQ(back.sequence->rel_rmse, row.sequence->rel_rmse);
+  EXPECT_FALSE(back.sequence->rel_noise);
+  row.sequence->rel_rmse = {std::nullopt, std::nullopt};
+  EXPECT_NE(make_sequence_table({row}).find("| 2 | undefined | undefined | 1 |"), std::string::npos);
+}
+
+TEST(Sequence, BlackFramesAndSheetsThatCannotBeWritten) {
+  const test::TemporaryFolder folder;
+  setenv("PENUMBRA_CACHE", (folder.path() + "/cache").c_str(), 1);
+  Scene scene;
+  scene.name = "dark";
+  scene.receiver_spec = {PlaneGrid{1.0f, 8, 0.0f}, vec3(1.0f)};
+  scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
+  scene.light = make_disc({0, 2, 0}, {0, 1, 0}, 0.5f, vec3(1.0f));
+  scene.motion = {Motion::Kind::rigid, 1.0f, 4.0f, 2};
+  const Sequence sequence(scene, {}, [](int) {});
+  Blinking steady(0.0f);
+  const SequenceErrors errors = sequence.score(steady, 1.0, folder.write("file", "") + "/below-a-file.png");
+  unsetenv("PENUMBRA_CACHE");
+  ASSERT_EQ(errors.rel_rmse.size(), 2u);
+  EXPECT_FALSE(errors.rel_rmse[0] || errors.rel_rmse[1] || errors.flicker[0] || errors.rel_noise);
 }
 
 }  // namespace
