@@ -31,6 +31,12 @@ inline Receivers receivers_at(const std::vector<vec3>& positions, vec3 normal = 
   return r;
 }
 
+inline void append(Mesh& mesh, const Mesh& more) {
+  const auto first = unsigned(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
+  for (const uvec3& t : more.triangles) mesh.triangles.push_back(t + first);
+}
+
 /// Spheres (also as a mesh) under constant light 1, so that radiance is e = 1 - blocked fraction.
 inline Scene sphere_scene(const std::vector<Sphere>& spheres, const Receivers& receivers) {
   Scene scene;
@@ -41,10 +47,7 @@ inline Scene sphere_scene(const std::vector<Sphere>& spheres, const Receivers& r
   scene.light = constant_environment();
   for (const Sphere& s : spheres) {
     if (scene.mesh.positions.size() > 200000) break;
-    const Mesh ball = make_sphere(s.centre, s.radius, 96);
-    const auto first = unsigned(scene.mesh.positions.size());
-    scene.mesh.positions.insert(scene.mesh.positions.end(), ball.positions.begin(), ball.positions.end());
-    for (const uvec3& t : ball.triangles) scene.mesh.triangles.push_back(t + first);
+    append(scene.mesh, make_sphere(s.centre, s.radius, 96));
   }
   return scene;
 }

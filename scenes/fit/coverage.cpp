@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scenes/fit/cover.h"
+#include "scenes/fit/union_surface.h"
 #include "scenes/ray_scene.h"
 
 namespace penumbra {
@@ -13,6 +14,13 @@ struct Cell {
   dvec3 centre;
   double half;  ///< of an edge
   int depth;
+};
+
+/// What a search asks: how near the surface is, walls without thickness among it, and what lies inside, where they do
+/// not count.
+struct Surface {
+  explicit Surface(const Mesh& mesh) : with_walls(mesh), solid(without_walls(mesh)) {}
+  RayScene with_walls, solid;
 };
 
 /// Distance from a ball's centre to the farthest corner of a cell.
@@ -27,7 +35,7 @@ double farthest_corner(const Cell& cell, const Sphere& ball) {
 template <class Point, class Leaf>
 class CellSearch {
  public:
-  CellSearch(const RayScene& surface, const std::vector<Sphere>& balls, int deepest, Point point, Leaf leaf)
+  CellSearch(const Surface& surface, const std::vector<Sphere>& balls, int deepest, Point point, Leaf leaf)
       : surface_(surface), balls_(balls), deepest_(deepest), point_(point), leaf_(leaf) {}
 
   void run(const Bounds& box) {
@@ -48,8 +56,8 @@ class CellSearch {
     vec3 point(cell.centre);
     if (!inside_solid) {
       const double reach = cell.half * std::sqrt(3.0) * (1.0 + 1e-5);
-      const Nearest nearest = surface_.nearest(point, float(reach));
-      const bool centre_inside = inside(surface_, point);
+      const Nearest nearest = surface_.with_walls.nearest(point, float(reach));
+      const bool centre_inside = inside(surface_.solid, point);
       if (!(nearest.distance <= reach)) {
         if (!centre_inside) return;
         inside_solid = true;
@@ -68,7 +76,7 @@ class CellSearch {
     }
   }
 
-  const RayScene& surface_;
+  const Surface& surface_;
   const std::vector<Sphere>& balls_;
   int deepest_;
   Point point_;
@@ -92,7 +100,7 @@ void grow(std::vector<Sphere>& balls, const Cell& cell) {
 
 void make_covering(const Mesh& solid, SphereSet& set) {
   if (set.empty()) return;
-  const RayScene surface(solid);
+  const Surface surface(solid);
   const auto point = [&](vec3 p) { grow(set.spheres, {dvec3(p), 0.0, 0}); };
   const auto leaf = [&](const Cell& cell) { grow(set.spheres, cell); };
   CellSearch(surface, set.spheres, certain_depth, point, leaf).run(bounds(solid));
@@ -100,7 +108,7 @@ void make_covering(const Mesh& solid, SphereSet& set) {
 
 std::vector<vec3> loose_points(const Mesh& solid, const SphereSet& set) {
   std::vector<vec3> points;
-  const RayScene surface(solid);
+  const Surface surface(solid);
   vec3 last(0.0f);
   const auto point = [&](vec3 p) { last = p; };
   const auto leaf = [&](const Cell&) { points.push_back(last); };  // the point of this very cell

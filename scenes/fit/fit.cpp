@@ -10,6 +10,7 @@
 #include "scenes/error.h"
 #include "scenes/fit/baselines.h"
 #include "scenes/fit/cover.h"
+#include "scenes/fit/difference.h"
 #include "scenes/fit/outside_volume.h"
 #include "scenes/fit/silhouette.h"
 #include "scenes/fit/solid.h"
@@ -33,11 +34,26 @@ struct UnitSolid {
   vec3 centre;
   float size;
 
-  explicit UnitSolid(Mesh solid) : mesh(std::move(solid)) {
+  UnitSolid(Mesh solid, const std::string& what) : mesh(std::move(solid)) {
     const Bounds box = bounds(mesh);
     centre = box.centre();
     size = std::max({box.extent().x, box.extent().y, box.extent().z});
+    if (!(size > std::numeric_limits<float>::min() && size < 0.25f * std::numeric_limits<float>::max()))
+      throw Error("{}: the mesh is {:.3g} m large, which single precision does not hold; scale it", what, size);
     for (vec3& p : mesh.positions) p = (p - centre) / size;
+  }
+  /// Coordinates of meshes with few points, which are mostly modelled, go to a lattice: what they round to in another
+  /// unit is then the same solid, and has the same fit.
+  void snap() {
+    if (!has_few_points()) return;
+    for (vec3& p : mesh.positions) p = snapped(p, lattice);
+  }
+  /// A set to start from, for the same reason on a lattice that is coarse enough for its own rounding.
+  SphereSet start(SphereSet set) const {
+    set = reduced(std::move(set));
+    if (has_few_points())
+      for (Sphere& s : set.spheres) s = {snapped(s.centre, 0x1p-10f), snapped(vec3(s.radius), 0x1p-10f).x};
+    return set;
   }
   SphereSet restored(SphereSet set) const {
     for (Sphere& s : set.spheres) s = {size * s.centre + centre, size * s.radius};
@@ -46,7 +62,8 @@ struct UnitSolid {
   /// The same for balls that must not lose a point of the solid to rounding on the way.
   SphereSet restored_covering(SphereSet set) const {
     const vec3 far = glm::abs(centre) + size;
-    const float rounding = 0x1p-21f * std::max({far.x, far.y, far.z});
+    const float moved = has_few_points() ? size * lattice : 0.0f;  // by at most 0.87 of it
+    const float rounding = 0x1p-21f * std::max({far.x, far.y, far.z}) + moved;
     set = restored(std::move(set));
     for (Sphere& s : set.spheres) s.radius += rounding;
     return set;
@@ -55,6 +72,11 @@ struct UnitSolid {
     for (Sphere& s : set.spheres) s = {(s.centre - centre) / size, s.radius / size};
     return set;
   }
+
+ private:
+  static constexpr float lattice = 0x1p-18f;
+  bool has_few_points() const { return mesh.positions.size() <= 1000; }
+  static vec3 snapped(vec3 p, float step) { return glm::round(p / step) * step; }
 };
 
 /// Rows and points grow with the number of spheres: a sphere of the mean volume has a radius of about ten rows.
@@ -126,7 +148,8 @@ SphereSet fit_with(const Mesh& mesh, const FitRequest& request, const std::strin
   if (request.spheres < 1 || request.spheres > 4096)
     throw Error("{}: {} spheres asked for; between 1 and 4096 can be fitted", what, request.spheres);
   Repairs repairs;
-  const UnitSolid solid(make_solid(mesh, what, &repairs));
+  UnitSolid solid(make_solid(mesh, what, &repairs), what);
+  solid.snap();
   if (repairs.any() && request.objective != Objective::shadow)  // its start has said so
     spdlog::warn("{}: {}", what, repairs.describe());
   switch (request.objective) {
@@ -135,7 +158,7 @@ SphereSet fit_with(const Mesh& mesh, const FitRequest& request, const std::strin
     case Objective::shadow: {
       FitRequest first = request;
       first.objective = Objective::cover;
-      return solid.restored(match_silhouettes(solid.mesh, solid.reduced(start_from(first)), progress));
+      return solid.restored(match_silhouettes(solid.mesh, solid.start(start_from(first)), progress));
     }
     default:
       return solid.restored(fit_baseline(solid.mesh, request, what));
@@ -174,10 +197,12 @@ SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::str
 }
 
 FitQuality assess_fit(const Mesh& mesh, const SphereSet& set, const std::string& what) {
-  const Mesh solid = make_solid(mesh, what);
-  const SolidRows rows(solid, 4e6);
-  const SolidRows::Difference difference = rows.difference(set);
-  return {enclosed_volume(solid), outside_volume(solid, set), difference.excess, std::max(0.0, difference.uncovered)};
+  const UnitSolid solid(make_solid(mesh, what), what);
+  const SphereSet reduced = solid.reduced(set);
+  const double unit = std::pow(double(solid.size), 3.0), outside = outside_volume(solid.mesh, reduced);
+  const Difference parts = difference(solid.mesh, reduced);
+  return {unit * enclosed_volume(solid.mesh), unit * outside, unit * std::max(0.0, outside - parts.shared),
+          unit * parts.uncovered};
 }
 
 }  // namespace penumbra

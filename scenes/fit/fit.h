@@ -52,7 +52,8 @@ SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::st
 SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::string& what,
                      const FitProgress& progress = {});
 
-/// `outside` by triangles, exactly; the others over rows of a lattice of about 4 million cells.
+/// `volume` and `outside` by triangles of the union's surface, exactly; what spheres share outside, and so `excess`,
+/// and `uncovered` over rows (difference): within about 1e-3 of the solid's volume. Never more excess than outside.
 FitQuality assess_fit(const Mesh& mesh, const SphereSet& set, const std::string& what = "sphere fit");
 
 }  // namespace penumbra

@@ -1,6 +1,7 @@
 #include "scenes/fit/solid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -8,11 +9,12 @@
 #include <unordered_map>
 
 #include "scenes/error.h"
+#include "scenes/fit/disjoint_sets.h"
+#include "scenes/fit/shells.h"
+#include "scenes/fit/union_surface.h"
 
 namespace penumbra {
 namespace {
-
-using Edge = std::pair<unsigned, unsigned>;  // lower vertex first
 
 Edge edge_of(const uvec3& t, int k) {
   return std::minmax(t[k], t[(k + 1) % 3]);
@@ -42,6 +44,71 @@ Mesh welded(const Mesh& mesh, int& degenerate) {
     else out.triangles.push_back(joined);
   }
   return out;
+}
+
+/// Copies of a triangle, turned either way.
+struct Copies {
+  std::vector<unsigned> turned[2];
+};
+
+std::array<unsigned, 3> corners_in_order(const uvec3& t) {
+  std::array<unsigned, 3> v{t.x, t.y, t.z};
+  std::sort(v.begin(), v.end());
+  return v;
+}
+
+bool all_different(const Mesh& mesh) {
+  std::vector<std::array<unsigned, 3>> corners;
+  for (const uvec3& t : mesh.triangles) corners.push_back(corners_in_order(t));
+  std::sort(corners.begin(), corners.end());
+  return std::adjacent_find(corners.begin(), corners.end()) == corners.end();
+}
+
+/// Triangles by the vertices they join.
+std::map<std::array<unsigned, 3>, Copies> copies_of(const Mesh& mesh) {
+  std::map<std::array<unsigned, 3>, Copies> copies;
+  for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
+    const uvec3& v = mesh.triangles[t];
+    const bool even = (v.x < v.y) + (v.y < v.z) + (v.z < v.x) == 2;
+    copies[corners_in_order(v)].turned[even].push_back(t);
+  }
+  return copies;
+}
+
+/// Leaves one copy of every triangle of a part that is closed with one of each, as parts written twice or with both
+/// sides are. Elsewhere copies that are turned oppositely cancel, and of the others one or two stay, as their number is
+/// odd or even; where none would, one pair stays. Returns how many went.
+int drop_copies(Mesh& mesh) {
+  if (all_different(mesh)) return 0;
+  const auto copies = copies_of(mesh);
+  DisjointSets parts(mesh.positions.size());
+  std::map<Edge, unsigned> sides;
+  for (const auto& [v, unused] : copies) {
+    parts.join(v[0], v[1]), parts.join(v[1], v[2]);
+    for (const Edge& e : {Edge{v[0], v[1]}, Edge{v[1], v[2]}, Edge{v[0], v[2]}}) ++sides[e];
+  }
+  std::vector<char> open(mesh.positions.size());
+  for (const auto& [edge, count] : sides)
+    if (count % 2 != 0) open[parts.of(edge.first)] = 1;
+  std::vector<char> stays(mesh.triangles.size());
+  for (const auto& [v, copy] : copies) {
+    const auto &one = copy.turned[0], &other = copy.turned[1];
+    const std::vector<unsigned>& more = one.size() > other.size() ? one : other;
+    if (!open[parts.of(v[0])]) {
+      stays[one.empty() ? other[0] : other.empty() ? one[0] : std::min(one[0], other[0])] = 1;
+    } else if (one.size() == other.size()) {
+      stays[one[0]] = stays[other[0]] = 1;
+    } else {
+      stays[more[0]] = 1;
+      if ((one.size() + other.size()) % 2 == 0) stays[more[1]] = 1;
+    }
+  }
+  std::vector<uvec3> kept;
+  for (std::size_t t = 0; t < stays.size(); ++t)
+    if (stays[t]) kept.push_back(mesh.triangles[t]);
+  const int gone = int(mesh.triangles.size() - kept.size());
+  mesh.triangles = std::move(kept);
+  return gone;
 }
 
 class Topology {
@@ -94,27 +161,31 @@ class Topology {
         what, open, edges_.size(), count_components(around), p.x, p.y, p.z);
   }
 
-  /// Makes neighbours agree, component by component; returns the components. Only swaps second and third corners.
-  std::vector<std::vector<unsigned>> orient(const std::string& what) {
-    return split_into_patches([&](unsigned from, int k, unsigned to, bool seen) {
-      const uvec3& own = mesh_.triangles[from];
-      uvec3& neighbour = mesh_.triangles[to];
-      if (directs(neighbour, edge_of(own, k)) != forward(own, k)) return;
-      if (seen) throw Error("{}: the mesh has one side only (like a Moebius strip) at triangle {}", what, to);
-      std::swap(neighbour.y, neighbour.z);
-    });
+  Junctions junctions() const {
+    Junctions more;
+    for (const auto& [edge, triangles] : edges_)
+      if (triangles.size() != 2) more[edge] = triangles;
+    return more;
   }
 
-  /// Throws if at some edge as many triangles do not leave as arrive.
-  void require_balanced(const std::string& what) const {
-    for (const auto& [edge, triangles] : edges_) {
-      int balance = 0;
-      for (const unsigned t : triangles) balance += directs(mesh_.triangles[t], edge) ? 1 : -1;
-      if (balance == 0) continue;
-      const vec3 p = mesh_.positions[edge.first];
-      throw Error("{}: {} triangles meet at an edge at ({:.4g}, {:.4g}, {:.4g}) and no orientation fits all of them",
-                  what, triangles.size(), p.x, p.y, p.z);
+  /// Makes neighbours agree, patch by patch, the way most of its area is turned. Only swaps second and third corners.
+  std::vector<Patch> orient(const std::string& what) {
+    const std::vector<uvec3> given = mesh_.triangles;
+    std::vector<Patch> patches;
+    for (std::vector<unsigned>&triangles : split_into_patches([&](unsigned from, int k, unsigned to, bool seen) {
+           const uvec3& own = mesh_.triangles[from];
+           uvec3& neighbour = mesh_.triangles[to];
+           if (directs(neighbour, edge_of(own, k)) != forward(own, k)) return;
+           if (seen) throw Error("{}: the mesh has one side only (like a Moebius strip) at triangle {}", what, to);
+           std::swap(neighbour.y, neighbour.z);
+         })) {
+      double kept = 0.0, turned = 0.0;
+      for (const unsigned t : triangles) (mesh_.triangles[t] == given[t] ? kept : turned) += area(given[t]);
+      if (turned > kept)
+        for (const unsigned t : triangles) std::swap(mesh_.triangles[t].y, mesh_.triangles[t].z);
+      patches.push_back({std::move(triangles), std::min(kept, turned) == 0.0});
     }
+    return patches;
   }
 
  private:
@@ -122,6 +193,11 @@ class Topology {
     edges_.clear();
     for (unsigned t = 0; t < mesh_.triangles.size(); ++t)
       for (int k = 0; k < 3; ++k) edges_[edge_of(mesh_.triangles[t], k)].push_back(t);
+  }
+
+  double area(const uvec3& t) const {
+    const dvec3 a = mesh_.positions[t.x];
+    return glm::length(glm::cross(dvec3(mesh_.positions[t.y]) - a, dvec3(mesh_.positions[t.z]) - a));
   }
 
   static bool directs(const uvec3& t, const Edge& edge) {
@@ -190,49 +266,13 @@ class Topology {
   std::map<Edge, std::vector<unsigned>> edges_;
 };
 
-double signed_volume(const Mesh& mesh, const std::vector<unsigned>& triangles) {
-  const dvec3 origin = mesh.positions[mesh.triangles[triangles[0]].x];  // near the mesh: no cancellation far from 0
-  double sum = 0.0;
-  for (const unsigned t : triangles) {
-    const uvec3& v = mesh.triangles[t];
-    sum += glm::dot(dvec3(mesh.positions[v.x]) - origin,
-                    glm::cross(dvec3(mesh.positions[v.y]) - origin, dvec3(mesh.positions[v.z]) - origin));
-  }
-  return sum / 6.0;
-}
-
-/// How often a ray meets a set of triangles. Its direction has no simple ratios, so it misses edges of modelled meshes.
-int crossings(const Mesh& mesh, const std::vector<unsigned>& triangles, dvec3 origin) {
-  const dvec3 direction(0.5477225575, 0.6324555320, 0.5477225575 + 1e-3);
-  int count = 0;
-  for (const unsigned t : triangles) {
-    const uvec3& v = mesh.triangles[t];
-    const dvec3 a = mesh.positions[v.x], ab = dvec3(mesh.positions[v.y]) - a, ac = dvec3(mesh.positions[v.z]) - a;
-    const dvec3 p = glm::cross(direction, ac), s = origin - a, q = glm::cross(s, ab);
-    const double det = glm::dot(ab, p), u = glm::dot(s, p) / det, w = glm::dot(direction, q) / det;
-    count += det != 0.0 && u >= 0.0 && w >= 0.0 && u + w <= 1.0 && glm::dot(ac, q) / det > 0.0;
-  }
-  return count;
-}
-
-/// Normals of a component point outward, or, if an odd number of others surrounds it, inward.
-void point_outward(Mesh& mesh, const std::vector<std::vector<unsigned>>& components) {
-  for (std::size_t c = 0; c < components.size(); ++c) {
-    const dvec3 point = mesh.positions[mesh.triangles[components[c][0]].x];
-    int depth = 0;
-    for (std::size_t other = 0; other < components.size(); ++other)
-      if (other != c) depth += crossings(mesh, components[other], point) % 2;
-    const double volume = signed_volume(mesh, components[c]);
-    if (volume == 0.0 || (volume > 0.0) == (depth % 2 == 0)) continue;
-    for (const unsigned t : components[c]) std::swap(mesh.triangles[t].y, mesh.triangles[t].z);
-  }
-}
-
 }  // namespace
 
 std::string Repairs::describe() const {
-  return fmt::format("{} degenerate triangles and {} double walls dropped, {} triangles turned around",
-                     degenerate_triangles, double_walls, flipped_triangles);
+  return fmt::format(
+      "{} degenerate triangles, {} copies and {} double walls dropped, {} triangles turned around, "
+      "{} inside the solid removed or cut",
+      degenerate_triangles, copies, double_walls, flipped_triangles, inner_triangles);
 }
 
 Mesh make_solid(const Mesh& mesh, const std::string& what, Repairs* repairs) {
@@ -240,13 +280,15 @@ Mesh make_solid(const Mesh& mesh, const std::string& what, Repairs* repairs) {
   Repairs done;
   Mesh solid = welded(mesh, done.degenerate_triangles);
   if (solid.empty()) throw Error("{}: all {} triangles are degenerate", what, mesh.triangles.size());
+  done.copies = drop_copies(solid);
   Topology topology(solid);
   done.double_walls = topology.drop_double_walls();
   topology.require_closed(what);
   const std::vector<uvec3> as_given = solid.triangles;
-  point_outward(solid, topology.orient(what));
-  topology.require_balanced(what);
+  std::vector<Patch> patches = topology.orient(what);
+  orient_shells(solid, std::move(patches), topology.junctions(), what);
   for (std::size_t t = 0; t < as_given.size(); ++t) done.flipped_triangles += as_given[t] != solid.triangles[t];
+  solid = union_surface(solid, what, &done.inner_triangles);
   if (repairs) *repairs = done;
   return solid;
 }

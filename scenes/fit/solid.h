@@ -10,15 +10,18 @@ namespace penumbra {
 /// What was repaired on the way to a solid.
 struct Repairs {
   int degenerate_triangles = 0;  ///< dropped: two corners are the same point
+  int copies = 0;                ///< dropped: the same triangle again
   int double_walls = 0;          ///< dropped: small patches all of whose edges have two other triangles already
   int flipped_triangles = 0;     ///< turned around
-  bool any() const { return degenerate_triangles + double_walls + flipped_triangles > 0; }
+  int inner_triangles = 0;       ///< dropped or cut: inside the solid, where parts overlap or touch
+  bool any() const { return degenerate_triangles + copies + double_walls + flipped_triangles + inner_triangles > 0; }
   std::string describe() const;
 };
 
-/// The mesh with equal positions joined, every edge shared by as many triangles of one direction as of the other, and
-/// normals pointing out of the solid; of a component inside another one they point into the cavity. Throws Error naming
-/// `what` and what is open (edges, holes, a point of the first one) or that a component has one side only.
+/// The surface of the solid that a mesh means: the points where its winding number is positive. Equal positions are
+/// joined and normals point out of the solid. Shells that overlap, touch or are there twice count once; a shell inside
+/// another is a cavity if it faces the other way (orient_shells, union_surface). Throws Error naming `what` and what is
+/// open (edges, holes, a point of the first one) or that a component has one side only.
 Mesh make_solid(const Mesh& mesh, const std::string& what, Repairs* repairs = nullptr);
 
 /// Volume enclosed by a solid, cubic metres.

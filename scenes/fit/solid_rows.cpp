@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/fit/union_surface.h"
 #include "scenes/ray_scene.h"
 
 namespace penumbra {
@@ -38,6 +39,22 @@ bool balanced(const std::vector<Crossing>& list) {
 
 }  // namespace
 
+std::vector<Interval> stretches_inside(const RayScene& solid, const Bounds& box, vec3 row, float hair) {
+  row.x = box.low.x - 0.01f * (box.extent().x + 1e3f * hair);
+  std::vector<Crossing> found = crossings(solid, row);
+  for (int attempt = 1; attempt <= 8 && !balanced(found); ++attempt)
+    found = crossings(solid, row + hair * float(attempt) * vec3(0.0f, 0.83f, 0.57f));
+  std::vector<Interval> inside;
+  int depth = 0;
+  for (std::size_t i = 0; i + 1 < found.size(); ++i) {
+    depth += found[i].enters ? 1 : -1;
+    if (depth <= 0) continue;
+    if (!inside.empty() && inside.back().high == found[i].x) inside.back().high = found[i + 1].x;
+    else inside.push_back({found[i].x, found[i + 1].x});
+  }
+  return inside;
+}
+
 SolidRows::SolidRows(const Mesh& solid, double cells) : box_(bounds(solid)) {
   const dvec3 extent = box_.extent();
   const double longest = std::max({extent.x, extent.y, extent.z});
@@ -49,25 +66,12 @@ SolidRows::SolidRows(const Mesh& solid, double cells) : box_(bounds(solid)) {
 }
 
 void SolidRows::trace_rows(const Mesh& solid) {
-  const RayScene rays(solid);
-  const float start = box_.low.x - 0.01f * (box_.extent().x + float(step_));
+  const RayScene rays(without_walls(solid));  // rays meet only one of two triangles that coincide
   inside_.resize(std::size_t(size_[1]) * size_[2]);
   prefix_.resize(inside_.size() * (size_[0] + 1));
   tbb::parallel_for(std::size_t(0), inside_.size(), [&](std::size_t r) {
     const int y = int(r % size_[1]), z = int(r / size_[1]);
-    vec3 origin = cell_centre(0, y, z);
-    origin.x = start;
-    std::vector<Crossing> found = crossings(rays, origin);
-    for (int attempt = 1; attempt <= 8 && !balanced(found); ++attempt)  // it grazes an edge: a hair beside
-      found = crossings(rays, origin + float(step_) * 1e-3f * float(attempt) * vec3(0.0f, 0.83f, 0.57f));
-    int depth = 0;
-    for (std::size_t i = 0; i + 1 < found.size(); ++i) {
-      depth += found[i].enters ? 1 : -1;
-      if (depth <= 0) continue;
-      std::vector<Interval>& row = inside_[r];
-      if (!row.empty() && row.back().high == found[i].x) row.back().high = found[i + 1].x;
-      else row.push_back({found[i].x, found[i + 1].x});
-    }
+    inside_[r] = stretches_inside(rays, box_, cell_centre(0, y, z), float(step_) * 1e-3f);
     float* before = &prefix_[r * (size_[0] + 1)];
     for (int i = 0; i <= size_[0]; ++i) {
       double length = 0.0;
@@ -110,54 +114,6 @@ double SolidRows::inside_volume(const dvec3& centre, double radius) const {
     }
   }
   return sum * step_ * step_;
-}
-
-SolidRows::Difference SolidRows::difference(const SphereSet& set) const {
-  // The lattice of rows goes on beyond the solid's box, as far as the spheres do.
-  dvec3 low = low_, high = low_ + step_ * dvec3(size_[0], size_[1], size_[2]);
-  for (const Sphere& s : set.spheres) {
-    low = glm::min(low, dvec3(s.centre) - double(s.radius));
-    high = glm::max(high, dvec3(s.centre) + double(s.radius));
-  }
-  const auto rows_before = [&](int c) { return int(std::ceil((low_[c] - low[c]) / step_)); };
-  const int y0 = -rows_before(1), y1 = int(std::ceil((high.y - low_.y) / step_));
-  const int z0 = -rows_before(2), z1 = int(std::ceil((high.z - low_.z) / step_));
-  std::vector<Difference> by_layer(std::size_t(std::max(0, z1 - z0)));
-  tbb::parallel_for(z0, z1, [&](int z) {
-    Difference& sum = by_layer[z - z0];
-    std::vector<Interval> chords;
-    const std::vector<Interval> nothing;
-    for (int y = y0; y < y1; ++y) {
-      chords.clear();
-      const double at_y = low_.y + step_ * (y + 0.5), at_z = low_.z + step_ * (z + 0.5);
-      for (const Sphere& s : set.spheres) {
-        const double half2 = double(s.radius) * s.radius - (at_y - s.centre.y) * (at_y - s.centre.y) -
-                             (at_z - s.centre.z) * (at_z - s.centre.z);
-        if (half2 > 0.0) chords.push_back({s.centre.x - std::sqrt(half2), s.centre.x + std::sqrt(half2)});
-      }
-      std::sort(chords.begin(), chords.end(), [](const Interval& a, const Interval& b) { return a.low < b.low; });
-      const bool known = y >= 0 && z >= 0 && y < size_[1] && z < size_[2];
-      const auto& solid = known ? inside_[row(y, z)] : nothing;
-      double covered = 0.0, both = 0.0, solid_length = 0.0, reached = -std::numeric_limits<double>::infinity();
-      for (const Interval& chord : chords) {
-        const Interval fresh{std::max(chord.low, reached), chord.high};
-        if (fresh.high <= fresh.low) continue;
-        reached = fresh.high;
-        covered += fresh.high - fresh.low;
-        for (const Interval& in : solid)
-          both += std::max(0.0, std::min(in.high, fresh.high) - std::max(in.low, fresh.low));
-      }
-      for (const Interval& in : solid) solid_length += in.high - in.low;
-      sum.uncovered += solid_length - both;
-      sum.excess += covered - both;
-    }
-  });
-  Difference total;
-  for (const Difference& layer : by_layer) {
-    total.uncovered += layer.uncovered * step_ * step_;
-    total.excess += layer.excess * step_ * step_;
-  }
-  return total;
 }
 
 }  // namespace penumbra

@@ -4,9 +4,19 @@
 
 #include <vector>
 
+#include "scenes/ray_scene.h"
 #include "scenes/sphere_set.h"
 
 namespace penumbra {
+
+/// A stretch of a row.
+struct Interval {
+  double low, high;
+};
+
+/// Where a ray along +x runs inside a solid: in order, disjoint. `row`: any point of it; only y and z count. `box`: the
+/// solid's. `hair`: how far beside it looks again where it grazes an edge, metres.
+std::vector<Interval> stretches_inside(const RayScene& solid, const Bounds& box, vec3 row, float hair);
 
 class SolidRows {
  public:
@@ -28,17 +38,7 @@ class SolidRows {
     return 4.0 / 3.0 * pi * radius * radius * radius - inside_volume(centre, radius);
   }
 
-  /// Volumes in which the union of spheres and the solid differ, cubic metres.
-  struct Difference {
-    double uncovered = 0.0;  ///< inside the solid, in no sphere
-    double excess = 0.0;     ///< in a sphere, outside the solid; shared parts count once
-  };
-  Difference difference(const SphereSet& set) const;
-
  private:
-  struct Interval {
-    double low, high;
-  };
   void trace_rows(const Mesh& solid);
   std::size_t row(int y, int z) const { return std::size_t(z) * size_[1] + y; }
   /// Length inside the solid from the row's start to x.

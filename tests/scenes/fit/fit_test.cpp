@@ -140,12 +140,7 @@ TEST(Fit, MillimetresAndKilometres) {
 
 TEST(Fit, ManyComponentsAreAllCovered) {
   Mesh mesh;
-  for (int i = 0; i < 9; ++i) {
-    const Mesh part = make_sphere({3.0f * float(i % 3), 0, 3.0f * float(i / 3)}, 0.5f, 16);
-    const auto first = unsigned(mesh.positions.size());
-    mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-    for (const uvec3& t : part.triangles) mesh.triangles.push_back(t + first);
-  }
+  for (int i = 0; i < 9; ++i) test::append(mesh, make_sphere({3.0f * float(i % 3), 0, 3.0f * float(i / 3)}, 0.5f, 16));
   for (const int spheres : {4, 9}) {
     const SphereSet set = fit_spheres(mesh, {spheres, Objective::cover});
     expect_covered(mesh, set);

@@ -6,11 +6,7 @@
 namespace penumbra {
 namespace {
 
-void append(Mesh& mesh, const Mesh& more) {
-  const auto first = unsigned(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
-  for (const uvec3& t : more.triangles) mesh.triangles.push_back(t + first);
-}
+using test::append;
 
 Mesh turned(Mesh mesh) {
   for (uvec3& t : mesh.triangles) std::swap(t.y, t.z);
@@ -42,9 +38,20 @@ TEST(Solid, ComponentsBesideAndInside) {
   Mesh beside = make_box(vec3(0.0f), vec3(1.0f));
   append(beside, turned(make_box(vec3(2.0f), vec3(3.0f))));
   EXPECT_NEAR(enclosed_volume(make_solid(beside, "beside")), 2.0, 1e-9);
-  Mesh hollow = make_box(vec3(0.0f), vec3(4.0f));
-  append(hollow, make_box(vec3(1.0f), vec3(3.0f)));
-  EXPECT_NEAR(enclosed_volume(make_solid(hollow, "hollow")), 64.0 - 8.0, 1e-9) << "a shell inside is a cavity";
+  for (const bool inside_out : {false, true}) {
+    const auto given = [&](const Mesh& mesh) { return inside_out ? turned(mesh) : mesh; };
+    Mesh hollow = given(make_box(vec3(0.0f), vec3(4.0f))), full = hollow;
+    append(hollow, given(turned(make_box(vec3(1.0f), vec3(3.0f)))));
+    append(full, given(make_box(vec3(1.0f), vec3(3.0f))));
+    EXPECT_NEAR(enclosed_volume(make_solid(hollow, "hollow")), 64.0 - 8.0, 1e-9) << "it faces the other way: a cavity";
+    EXPECT_NEAR(enclosed_volume(make_solid(full, "full")), 64.0, 1e-9) << "it faces the same way: counts once";
+    append(hollow, given(make_box(vec3(1.5f), vec3(2.5f))));
+    EXPECT_NEAR(enclosed_volume(make_solid(hollow, "island")), 64.0 - 8.0 + 1.0, 1e-9);
+    std::swap(hollow.triangles[3].y, hollow.triangles[3].z);
+    hollow.triangles.resize(24);
+    for (std::size_t t = 12; t < 24; ++t) std::swap(hollow.triangles[t].y, hollow.triangles[t].z);
+    EXPECT_NEAR(enclosed_volume(make_solid(hollow, "mixed")), 64.0 - 8.0, 1e-9) << "the file contradicts itself";
+  }
 }
 
 TEST(Solid, SeamsAndDegenerateTrianglesGo) {

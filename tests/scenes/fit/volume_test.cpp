@@ -1,4 +1,6 @@
 // Volumes of balls against solids: closed forms, and counting voxels as the oracle.
+#include "scenes/fit/difference.h"
+#include "scenes/fit/fit.h"
 #include "scenes/fit/outside_volume.h"
 #include "scenes/fit/solid.h"
 #include "scenes/fit/solid_rows.h"
@@ -101,15 +103,18 @@ TEST(SolidRows, InsideAgreesWithRays) {
   EXPECT_FALSE(rows.inside(rows.box().high + 1.0f));
 }
 
-TEST(SolidRows, DifferenceOfBallAndCube) {
-  const SolidRows rows(cube(), 1e6);
-  const auto around = rows.difference(SphereSet{{{vec3(0.0f), std::sqrt(3.0f)}, {vec3(0.0f), 1.0f}}});
-  EXPECT_NEAR(around.uncovered, 0.0, 1e-6);
-  EXPECT_NEAR(around.excess, 13.76559, 0.02) << "of the union";
-  const auto within = rows.difference(SphereSet{{{vec3(0.0f), 1.0f}}});
-  EXPECT_NEAR(within.uncovered, 8.0 - ball(1.0), 0.01);
-  EXPECT_NEAR(within.excess, 0.0, 1e-3);
-  EXPECT_NEAR(rows.difference(SphereSet{}).uncovered, 8.0, 0.01);
+TEST(Difference, OfBallsAndCube) {
+  const double around = ball(std::sqrt(3.0)) - 8.0, pokes = 6.0 * pi * 0.04 * 3.4 / 3.0;
+  const Difference both = difference(cube(), SphereSet{{{vec3(0.0f), std::sqrt(3.0f)}, {vec3(0.0f), 1.2f}}});
+  EXPECT_NEAR(both.uncovered, 0.0, 1e-6);
+  EXPECT_NEAR(both.shared, pokes, 2e-3) << "outside in both";
+  const Difference within = difference(cube(), SphereSet{{{vec3(0.0f), 1.0f}}});
+  EXPECT_NEAR(within.uncovered, 8.0 - ball(1.0), 2e-3);
+  EXPECT_EQ(within.shared, 0.0);
+  EXPECT_NEAR(difference(cube(), SphereSet{}).uncovered, 8.0, 1e-4) << "faces along the axes";
+  const FitQuality q = assess_fit(cube(), SphereSet{{{vec3(0.0f), std::sqrt(3.0f)}, {vec3(0.0f), 1.2f}}});
+  EXPECT_NEAR(q.excess, around, 3e-3) << "of the union";
+  EXPECT_NEAR(q.outside, around + pokes, 1e-5) << "summed";
 }
 
 }  // namespace
