@@ -94,7 +94,7 @@ Layer find_layer(ImageInput& input, const std::string& wanted, const std::string
       const std::string name = input.spec().get_string_attribute("oiio:subimagename");
       for (Layer& layer : find_layers(part, name, names())) layers.push_back(std::move(layer));
     }
-    const Layer layer = choose_layer(layers, wanted, path);
+    Layer layer = choose_layer(layers, wanted, path);
     if (wanted.empty() && !layer.name.empty()) spdlog::info("{}: layer '{}' is used", path, layer.address());
     input.seek(layer.part);
     return layer;
