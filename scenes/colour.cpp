@@ -55,11 +55,14 @@ bool same_colours(const Chromaticities& a, const Chromaticities& b) {
   return true;
 }
 
-vec3 rgb_from_chroma(float y, float ry, float by, const Chromaticities& primaries) {
+dvec3 luminance_weights(const Chromaticities& primaries) {
   const glm::dmat3 to_xyz = xyz_from_rgb(primaries);
-  const glm::dvec3 weight(to_xyz[0].y, to_xyz[1].y, to_xyz[2].y);  // sum to 1: white has Y = 1
+  return {to_xyz[0].y, to_xyz[1].y, to_xyz[2].y};
+}
+
+vec3 rgb_from_chroma(float y, float ry, float by, dvec3 weights) {
   const double red = (double(ry) + 1.0) * y, blue = (double(by) + 1.0) * y;
-  return vec3(red, (y - red * weight.x - blue * weight.z) / weight.y, blue);
+  return vec3(red, (y - red * weights.x - blue * weights.z) / weights.y, blue);
 }
 
 float srgb_encode(float linear) {

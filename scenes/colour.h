@@ -29,8 +29,11 @@ glm::dmat3 convert_primaries(const Chromaticities& from, const Chromaticities& t
 /// That conversion changes nothing by more than 0.2 %: rounded digits, or the same primaries seen under another white.
 bool same_colours(const Chromaticities& a, const Chromaticities& b);
 
-/// RGB of OpenEXR's luminance and chroma: RY = (R - Y) / Y, BY = (B - Y) / Y, Y with the weights of the primaries.
-vec3 rgb_from_chroma(float y, float ry, float by, const Chromaticities& primaries);
+/// Shares of linear red, green and blue in luminance; they sum to 1.
+dvec3 luminance_weights(const Chromaticities& primaries);
+
+/// RGB of OpenEXR's luminance and chroma: RY = (R - Y) / Y, BY = (B - Y) / Y, Y with the weights above.
+vec3 rgb_from_chroma(float y, float ry, float by, dvec3 weights);
 
 float srgb_encode(float linear);   ///< IEC 61966-2-1
 float srgb_decode(float encoded);  ///< its inverse

@@ -17,7 +17,7 @@ std::string lower(std::string text) {
 
 /// OpenEXR writes R; some programs r or red.
 std::string short_name(const std::string& channel) {
-  const std::string name = lower(channel);
+  std::string name = lower(channel);
   for (const char* colour : {"red", "green", "blue", "alpha"})
     if (name == colour) return name.substr(0, 1);
   return name;

@@ -94,7 +94,7 @@ Layer find_layer(ImageInput& input, const std::string& wanted, const std::string
       const std::string name = input.spec().get_string_attribute("oiio:subimagename");
       for (Layer& layer : find_layers(part, name, names())) layers.push_back(std::move(layer));
     }
-    const Layer layer = choose_layer(layers, wanted, path);
+    Layer layer = choose_layer(layers, wanted, path);
     if (wanted.empty() && !layer.name.empty()) spdlog::info("{}: layer '{}' is used", path, layer.address());
     input.seek(layer.part);
     return layer;
@@ -175,7 +175,8 @@ void convert_colours(std::vector<vec3>& pixels, const OIIO::ImageSpec& spec, con
   if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), xy))
     primaries = {{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
   if (layer.kind == Layer::Kind::chroma) {
-    for (vec3& p : pixels) p = rgb_from_chroma(p.x, p.y, p.z, primaries);
+    const dvec3 weights = luminance_weights(primaries);
+    for (vec3& p : pixels) p = rgb_from_chroma(p.x, p.y, p.z, weights);
     spdlog::info("{}: luminance and chroma (Y, RY, BY) are converted to RGB", path);
   }
   if (layer.kind != Layer::Kind::grey && !same_colours(primaries, rec709)) convert_to_rec709(pixels, primaries, path);
