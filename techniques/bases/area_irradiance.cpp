@@ -6,8 +6,10 @@ LampPolygon make_polygon(const AreaLight& light) {
   LampPolygon polygon;
   polygon.centre = light.centre;
   polygon.normal = light.normal;
+  const float size =
+      light.area() > 0.0 ? 1.0f : 0.0f;  // parallel edges: a point, else the sum over corners only rounds
   const auto add = [&](double u, double v) {
-    polygon.corner[polygon.count++] = light.centre + float(u) * light.edge_u + float(v) * light.edge_v;
+    polygon.corner[polygon.count++] = light.centre + size * (float(u) * light.edge_u + float(v) * light.edge_v);
   };
   if (light.shape == AreaLight::Shape::rectangle) {
     for (const auto& [u, v] : {std::pair(-0.5, -0.5), {-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}}) add(u, v);

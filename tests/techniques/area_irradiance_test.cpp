@@ -32,6 +32,14 @@ TEST(AreaIrradiance, SquareAndParallelogramEqualTheirSamples) {
             << position.x << " " << normal.x << " " << normal.y;
 }
 
+TEST(AreaIrradiance, ParallelEdgesGiveNothingNotRoundOff) {
+  for (const AreaLight& light : {make_rectangle({0, 3, 0}, {0.1f, 0.2f, 0.3f}, {0.3f, 0.6f, 0.9f}, vec3(1.0f)),
+                                 make_rectangle({1, 3, 2}, {1, 2, 3}, {3, 6, 9}, vec3(1.0f)),
+                                 make_rectangle({0, 3, 0}, {0, 0, 0}, {0, 0, 1}, vec3(1.0f))})
+    for (const vec3 position : {vec3(0), vec3(1, 0, 0.5f), vec3(-3, 0, 2)})
+      EXPECT_EQ(factor(light, position, {0, 1, 0}), 0.0);
+}
+
 TEST(AreaIrradiance, DiscOnItsAxis) {
   for (const float radius : {0.1f, 1.0f, 3.0f}) {  // sin^2 of its angular radius
     const AreaLight disc = make_disc({0, 1, 0}, {0, -1, 0}, radius, vec3(1.0f));
