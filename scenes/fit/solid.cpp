@@ -269,10 +269,15 @@ class Topology {
 }  // namespace
 
 std::string Repairs::describe() const {
-  return fmt::format(
-      "{} degenerate triangles, {} copies and {} double walls dropped, {} triangles turned around, "
-      "{} inside the solid removed or cut",
-      degenerate_triangles, copies, double_walls, flipped_triangles, inner_triangles);
+  const std::pair<int, const char*> all[] = {{degenerate_triangles, "degenerate triangles dropped"},
+                                             {copies, "copies of triangles dropped"},
+                                             {double_walls, "double walls dropped"},
+                                             {flipped_triangles, "triangles turned around"},
+                                             {inner_triangles, "triangles inside the solid removed or cut"}};
+  std::string text;
+  for (const auto& [count, what] : all)
+    if (count) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+  return text;
 }
 
 Mesh make_solid(const Mesh& mesh, const std::string& what, Repairs* repairs) {

@@ -58,7 +58,7 @@ std::pair<Polygon, Polygon> cut(const Polygon& polygon, const dvec3& normal, con
     side.push_back(std::abs(d) <= tolerance ? 0.0 : d);
   }
   const auto [low, high] = std::minmax_element(side.begin(), side.end());
-  if (*low == 0.0 || *high == 0.0) return {polygon, {}};
+  if (!(*low < 0.0 && *high > 0.0)) return {polygon, {}};
   std::pair<Polygon, Polygon> parts;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const std::size_t next = (i + 1) % polygon.size();

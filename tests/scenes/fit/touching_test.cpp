@@ -138,6 +138,30 @@ TEST(Touching, CubesThatShareFacesEdgesAndCorners) {
   expect_fit_as_counted(stairs, double(stairs.size()), "stairs about a hollow");
 }
 
+/// Boxes with corners on a lattice: the union's volume is a number of cells, and next to everything coincides
+/// somewhere.
+TEST(Touching, HeapsOfBoxesOnALattice) {
+  std::mt19937 random(11);
+  for (int heap = 0; heap < 60; ++heap) {
+    std::vector<Box> boxes;
+    for (int i = 0; i < 2 + heap / 4; ++i) {
+      Box& b = boxes.emplace_back();
+      for (int c = 0; c < 3; ++c) {
+        b.low[c] = float(random() % 5);
+        b.high[c] = b.low[c] + 1.0f + float(random() % 3);
+      }
+    }
+    int cells = 0;
+    for (int i = 0; i < 512; ++i) cells += in_boxes(boxes, dvec3(i % 8, i / 8 % 8, i / 64) + 0.5);
+    const auto askew = [](vec3 p) {
+      return vec3(0.36f * p.x + 0.48f * p.y - 0.8f * p.z, -0.8f * p.x + 0.6f * p.y,
+                  0.48f * p.x + 0.64f * p.y + 0.6f * p.z);
+    };
+    EXPECT_NEAR(enclosed_volume(make_solid(mesh_of(boxes), "heap")), cells, 1e-5 * cells) << heap;
+    EXPECT_NEAR(enclosed_volume(make_solid(mapped(mesh_of(boxes), askew), "heap")), cells, 1e-4 * cells) << heap;
+  }
+}
+
 TEST(Touching, ContradictoryOrientationIsRepaired) {
   std::mt19937 random(3);
   for (const auto& [boxes, volume] : {std::pair{voxels(2, 2, 2), 8.0},
