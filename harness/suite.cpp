@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <thread>
 
 #include "scenes/assets.h"
@@ -45,6 +46,12 @@ std::vector<std::string> texts_of(TomlReader& at, const std::string& key) {
     texts.push_back(std::get<std::string>(value));
   }
   return texts;
+}
+
+/// A scene's file beside the suite's, as scenes name their meshes; otherwise the name as it is.
+std::string beside(const std::string& suite_file, const std::string& name) {
+  const std::filesystem::path path = std::filesystem::path(suite_file).parent_path() / name;
+  return std::filesystem::is_regular_file(path) ? path.string() : name;
 }
 
 std::vector<int> integers_of(TomlReader& at, const std::string& key, int low, int high) {
@@ -159,7 +166,7 @@ Suite load_suite(const std::string& name_or_path, const Registry& registry, int 
   TomlReader file = TomlReader::open(shipped_file(name_or_path, "suites"));
   Suite suite;
   suite.name = read_name(file);
-  suite.scenes = texts_of(file, "scenes");
+  for (const std::string& name : texts_of(file, "scenes")) suite.scenes.push_back(beside(file.file(), name));
   if (suite.scenes.empty()) throw Error("{}: key 'scenes' is missing: a list of scene names or paths", file.where());
   suite.scenes_where = file.where("scenes");
   suite.spheres = sphere_choices(file);

@@ -129,6 +129,8 @@ def check_run(program, folder, case, work):
         if out.exists() and list(out.rglob("*.exr")):
             raise Wrong("refused, but images were written")
         return said
+    if result.returncode != 0:
+        raise Wrong(f"exit code {result.returncode}: {result.stderr.strip()[-300:]}")
     rows = json.loads((out / "results.json").read_text())["benchmarks"]
     for row in rows:
         status = row["status"]

@@ -43,8 +43,7 @@ dmat4 transform_of(const json& node, const GltfDocument& file) {
   if (node.contains("matrix")) {
     const std::vector<double> m = numbers("matrix", std::vector<double>(16));
     dmat4 matrix;
-    for (int c = 0; c < 4; ++c)
-      for (int r = 0; r < 4; ++r) matrix[c][r] = m[std::size_t(4 * c + r)];
+    for (std::size_t i = 0; i < 16; ++i) matrix[int(i / 4)][int(i % 4)] = m[i];
     return matrix;
   }
   const auto t = numbers("translation", {0, 0, 0}), r = numbers("rotation", {0, 0, 0, 1}),

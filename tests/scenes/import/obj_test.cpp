@@ -63,7 +63,6 @@ TEST_F(Import, ObjNumbersAreRoundedCorrectly) {
 }
 
 TEST_F(Import, VerticesAreJoinedWhereTheyAreEqualAndNowhereElse) {
-  expect_box(read("a.obj", replaced(positions, "\nv", "\nv -0 9 9\nv").substr(0, 0) + box), "plain");
   for (const double unit : {5e-6, 1e-12, 1e-30}) {
     std::string text;
     for (const auto& c : box_corners) text += fmt::format("v {} {} {}\n", unit * c[0], unit * c[1], unit * c[2]);
