@@ -45,7 +45,7 @@ def truth(program, scene, image):
 def difference(a, b):
     """RMS difference of two images relative to the RMS of the second, by OpenImageIO."""
     def rms(*arguments):
-        stats = subprocess.run(["oiiotool", *map(str, arguments), "--stats"], capture_output=True, text=True, check=True)
+        stats = subprocess.run(["oiiotool", *map(str, arguments), "--printstats"], capture_output=True, text=True, check=True)
         average = [float(x) for x in re.search(r"Stats Avg:([^(]*)", stats.stdout)[1].split()]
         spread = [float(x) for x in re.search(r"Stats StdDev:([^(]*)", stats.stdout)[1].split()]
         return numpy.sqrt(numpy.mean(numpy.square(average) + numpy.square(spread)))
