@@ -164,7 +164,8 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
   window.cut(looked_at);
   window.cut({-most, most});
   const vec2 extent = window.high - window.low, middle = 0.5f * (window.low + window.high);
-  const float edge = std::max({extent.x, extent.y, 1e-6f}) * (1.0f + 2.0f / float(settings.resolution));
+  const float least = 1e-6f / (view.perspective ? view.farthest : 1.0f);  // q of a perspective counts by 1 / m
+  const float edge = std::max({extent.x, extent.y, least}) * (1.0f + 2.0f / float(settings.resolution));
   view.low = middle - 0.5f * edge;
   view.density = float(settings.resolution) / edge;
   view.spread *= view.density;

@@ -138,20 +138,27 @@ void SphereTree::cut(const LogTable& table, const Sphere& cluster, std::vector<W
   }
 }
 
-float cell_edge(const Sphere& bound) {
-  return bound.radius > 0.0f ? std::exp2(std::round(std::log2(bound.radius / 5.0f))) : 1.0f;
+float cell_edge(const SphereSet& set, const Sphere& bound) {
+  float largest = 0.0f;
+  for (const Sphere& s : set.spheres) largest = std::max(largest, s.radius);
+  return largest > 0.0f ? largest * std::exp2(std::round(std::log2(bound.radius / (5.0f * largest)))) : 1.0f;
 }
 
 std::vector<Cluster> make_clusters(const Receivers& receivers, float edge) {
+  constexpr float within =
+      0.37f;  // where in its cell the first receiver lies: those in line with it keep off the walls
   std::map<std::tuple<int, int, int>, std::size_t> found;
   std::vector<Cluster> clusters;
-  for (int i = 0; i < receivers.size(); ++i) {
+  int first = 0;
+  while (first < receivers.size() && !receivers.valid(first)) ++first;
+  for (int i = first; i < receivers.size(); ++i) {
     if (!receivers.valid(i)) continue;
-    vec3 cell = glm::floor(receivers.position[i] / edge);
+    const vec3 zero = receivers.position[first] - within * edge;
+    vec3 cell = glm::floor((receivers.position[i] - zero) / edge);
     for (int c = 0; c < 3; ++c)
       if (!(std::abs(cell[c]) < 1e9f)) cell[c] = 1e9f;  // too far away, or not a number
     const auto [at, fresh] = found.try_emplace({int(cell.x), int(cell.y), int(cell.z)}, clusters.size());
-    if (fresh) clusters.push_back({{(cell + 0.5f) * edge, 0.5f * std::sqrt(3.0f) * edge}, {}});
+    if (fresh) clusters.push_back({{zero + (cell + 0.5f) * edge, 0.5f * std::sqrt(3.0f) * edge}, {}});
     clusters[at->second].receivers.push_back(i);
   }
   return clusters;

@@ -54,9 +54,10 @@ struct Cluster {
   std::vector<int> receivers;
 };
 
-/// Cells have a power of two as edge, about a fifth of the bound's radius, so that they stay when spheres move a
-/// little.
-float cell_edge(const Sphere& bound);
+/// Cells have as edge a power of two times the largest radius, about a fifth of that of the bound around all, so that
+/// they stay when spheres move a little, and are alike at any unit.
+float cell_edge(const SphereSet& set, const Sphere& bound);
+/// The grid is counted from the first valid receiver: where the scene lies does not matter.
 std::vector<Cluster> make_clusters(const Receivers& receivers, float edge);
 
 }  // namespace penumbra::sh_exponentiation

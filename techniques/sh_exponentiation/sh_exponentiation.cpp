@@ -146,7 +146,7 @@ void ShExponentiation::set_spheres(const SphereSet& spheres, bool moved_receiver
     return;
   }
   tree_ = SphereTree(all_);
-  const float edge = tree_.empty() ? 1.0f : cell_edge(tree_.bound());
+  const float edge = tree_.empty() ? 1.0f : cell_edge(all_, tree_.bound());
   if (edge != edge_) clusters_ = make_clusters(r, edge_ = edge);
   lists_.resize(clusters_.size());
   tbb::parallel_for(std::size_t(0), clusters_.size(),

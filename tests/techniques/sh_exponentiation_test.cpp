@@ -298,7 +298,7 @@ TEST(ShHierarchy, CutsAreFinerNearby) {
   const SphereTree tree(scene.spheres);
   std::vector<WeightedSphere> near, middle, far;
   tree.cut(table, {{0.8f, 0, 0}, 0.1f}, near);
-  tree.cut(table, {{3, 0, 0}, 0.1f}, middle);
+  tree.cut(table, {{2.4f, 0, 0}, 0.1f}, middle);
   tree.cut(table, {{50, 0, 0}, 0.1f}, far);
   EXPECT_GT(near.size(), middle.size());
   EXPECT_GT(middle.size(), far.size());
