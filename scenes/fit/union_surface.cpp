@@ -18,7 +18,7 @@ struct Segment {
   dvec3 from, to;
 };
 
-constexpr std::size_t most_pieces = 4'000'000;
+constexpr std::size_t most_pieces = 500'000;
 
 /// The triangle from its least vertex on: the same for equal triangles that face the same way.
 std::array<unsigned, 3> turned(const uvec3& t) {
@@ -176,37 +176,65 @@ class UnionSurface {
       const dvec3& normal = tree_.normal(t);
       if (normal == dvec3(0.0)) return;
       const TriangleTree::Corners& c = tree_.corners(t);
-      std::vector<Polygon>& pieces = pieces_[t];
       const Polygon own{c[0], c[1], c[2]};
+      Parts parts(own);
       for (const unsigned other : tree_.near(t)) {
         if (other == t || tree_.normal(other) == dvec3(0.0)) continue;
         const int shared = shared_corners(t, other);
+        if (shared == 3) alone_[t] = 0;
         for (const Segment& s : contact(t, other)) {
           if (shared == 2 && !covers_more_than_an_edge(t, other)) break;
           if (!passes(own, normal, s, tree_.tolerance())) continue;
-          if (alone_[t]) alone_[t] = 0, pieces = {own};
-          cut_all(pieces, normal, s);
-          if (pieces.size() > most_pieces) break;
+          alone_[t] = 0;
+          parts.cut_along(normal, s, tree_.tolerance());
         }
-        if (shared == 3) alone_[t] = 0;
+        if (total + parts.polygons.size() > most_pieces) break;
       }
-      if (!alone_[t] && pieces.empty()) pieces = {own};
-      total += pieces.size();
+      if (alone_[t]) return;
+      pieces_[t] = std::move(parts.polygons);
+      total += pieces_[t].size();
       if (total > most_pieces)
         throw Error("{}: its parts cross each other too often (more than {} pieces); unite them in a modeller", what_,
                     most_pieces);
     });
   }
 
-  void cut_all(std::vector<Polygon>& pieces, const dvec3& normal, const Segment& s) const {
-    for (std::size_t i = pieces.size(); i-- > 0;) {
-      if (!passes(pieces[i], normal, s, tree_.tolerance())) continue;
-      auto [first, second] = cut(pieces[i], normal, s, tree_.tolerance());
-      if (second.empty()) continue;
-      pieces[i] = std::move(first);
-      pieces.push_back(std::move(second));
+  /// Convex parts of a triangle, with their boxes beside: most cuts miss most of them.
+  class Parts {
+   public:
+    explicit Parts(Polygon whole) { add(std::move(whole)); }
+
+    void cut_along(const dvec3& normal, const Segment& s, double tolerance) {
+      const Extent at = extent({s.from, s.to});
+      for (std::size_t i = polygons.size(); i-- > 0;) {
+        const bool apart = glm::any(glm::lessThan(at.high + tolerance, extents_[i].low)) ||
+                           glm::any(glm::lessThan(extents_[i].high + tolerance, at.low));
+        if (apart || !passes(polygons[i], normal, s, tolerance)) continue;
+        auto [first, second] = cut(polygons[i], normal, s, tolerance);
+        if (second.empty()) continue;
+        extents_[i] = extent(first);
+        polygons[i] = std::move(first);
+        add(std::move(second));
+      }
     }
-  }
+
+    std::vector<Polygon> polygons;
+
+   private:
+    struct Extent {
+      dvec3 low, high;
+    };
+    static Extent extent(const Polygon& p) {
+      Extent e{p[0], p[0]};
+      for (const dvec3& at : p) e = {glm::min(e.low, at), glm::max(e.high, at)};
+      return e;
+    }
+    void add(Polygon p) {
+      extents_.push_back(extent(p));
+      polygons.push_back(std::move(p));
+    }
+    std::vector<Extent> extents_;
+  };
 
   /// Of two triangles in one plane with a common edge: do they lie on the same side of it?
   bool covers_more_than_an_edge(unsigned t, unsigned other) const {
