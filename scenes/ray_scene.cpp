@@ -76,7 +76,13 @@ RTCRay make_ray(vec3 origin, vec3 direction, float near, float far) {
   return ray;
 }
 
-/// A packet in Embree's terms; lanes from `count` on are switched off.
+/// Embree ends the program at a ray that is no number; such a ray meets nothing.
+bool is_number(vec3 origin, vec3 direction) {
+  const float sum = (origin.x + origin.y + origin.z) + (direction.x + direction.y + direction.z);
+  return std::isfinite(sum);
+}
+
+/// A packet in Embree's terms; lanes from `count` on are switched off, and those of rays that are no numbers.
 void fill(const RayPacket& packet, int count, RTCRay16& rays, int* valid) {
   float* origin[3] = {rays.org_x, rays.org_y, rays.org_z};
   float* direction[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
@@ -90,7 +96,11 @@ void fill(const RayPacket& packet, int count, RTCRay16& rays, int* valid) {
   std::fill_n(rays.mask, RayPacket::size, ~0u);
   std::fill_n(rays.id, RayPacket::size, 0u);
   std::fill_n(rays.flags, RayPacket::size, 0u);
-  for (int i = 0; i < RayPacket::size; ++i) valid[i] = i < count ? -1 : 0;
+  for (int i = 0; i < RayPacket::size; ++i) {
+    float sum = 0.0f;
+    for (int c = 0; c < 3; ++c) sum += packet.origin[c][i] + packet.direction[c][i];
+    valid[i] = i < count && sum - sum == 0.0f ? -1 : 0;  // infinite or not a number: the difference is no number
+  }
 }
 
 struct MeshBuffers {
@@ -203,6 +213,7 @@ void RayScene::build(const SphereSet& set) {
 }
 
 Hit RayScene::intersect(vec3 origin, vec3 direction, float near) const {
+  if (!is_number(origin, direction)) return {infinity, 0, 0, 0, vec3(0.0f)};
   RTCRayHit query{};
   query.ray = make_ray(origin, direction, near, infinity);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -213,6 +224,7 @@ Hit RayScene::intersect(vec3 origin, vec3 direction, float near) const {
 }
 
 bool RayScene::occluded(vec3 origin, vec3 direction, float far) const {
+  if (!is_number(origin, direction)) return false;
   RTCRay ray = make_ray(origin, direction, 0.0f, far);
   occluded1(impl_->scene, &ray);
   return ray.tfar < 0.0f;

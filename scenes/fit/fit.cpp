@@ -20,7 +20,7 @@ namespace {
 
 /// Raise what changes: cached fits are then never looked at.
 constexpr int version_of(Objective objective) {
-  return objective == Objective::shadow ? 3 : 2;
+  return objective == Objective::shadow ? 4 : 3;
 }
 
 constexpr std::pair<const char*, Objective> names[] = {{"cover", Objective::cover},

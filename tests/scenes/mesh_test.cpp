@@ -150,6 +150,25 @@ TEST(RayScene, EmptyMeshBlocksNothing) {
   EXPECT_FALSE(rays.intersect(vec3(0.0f), {0, 1, 0}));
 }
 
+TEST(RayScene, RaysThatAreNoNumbersMeetNothing) {
+  const RayScene rays(make_box(vec3(-1.0f), vec3(1.0f)));
+  for (const float bad : {NAN, INFINITY, -INFINITY})
+    for (int c = 0; c < 6; ++c) {
+      vec3 from(0.1f, 0.2f, -5.0f), towards(0.0f, 0.0f, 1.0f);
+      RayPacket packet = {};
+      packet.set(0, from, towards, INFINITY);
+      (c < 3 ? from[c] : towards[c - 3]) = bad;
+      packet.set(1, from, towards, INFINITY);
+      EXPECT_FALSE(rays.occluded(from, towards, INFINITY)) << c;
+      EXPECT_FALSE(rays.intersect(from, towards)) << c;
+      EXPECT_EQ(rays.occluded(packet, 2), 1u) << c;
+      float distance[RayPacket::size];
+      rays.first_hits(packet, 2, distance);
+      EXPECT_NEAR(distance[0], 4.0f, 1e-5f);
+      EXPECT_EQ(distance[1], INFINITY) << c;
+    }
+}
+
 TEST(RayScene, NearestPointOfABox) {
   const RayScene rays(make_box(vec3(-1.0f), vec3(1.0f)));
   const auto expect = [&](vec3 from, vec3 to) {
