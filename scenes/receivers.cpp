@@ -8,9 +8,9 @@
 #include "scenes/ray_origins.h"
 
 namespace penumbra {
-namespace {
 
-void place_origins(Receivers& r, const std::vector<vec3>& side, const RayOrigins& origins) {
+void place_ray_origins(Receivers& r, const std::vector<vec3>& side, const Mesh& mesh, const RayScene& rays) {
+  const RayOrigins origins(mesh, rays);
   r.origin = r.position;
   r.touches.assign(r.position.size(), 0);
   tbb::parallel_for(tbb::blocked_range<int>(0, r.size(), 256), [&](const tbb::blocked_range<int>& range) {
@@ -23,6 +23,8 @@ void place_origins(Receivers& r, const std::vector<vec3>& side, const RayOrigins
   });
 }
 
+namespace {
+
 Receivers on_plane(const PlaneGrid& plane, const Mesh& mesh) {
   Receivers r;
   r.width = r.height = plane.resolution;
@@ -34,7 +36,7 @@ Receivers on_plane(const PlaneGrid& plane, const Mesh& mesh) {
   r.normal.assign(r.position.size(), vec3(0, 1, 0));
   r.on_occluder.assign(r.position.size(), 0);
   const RayScene rays(mesh);
-  place_origins(r, r.normal, RayOrigins(mesh, rays));
+  place_ray_origins(r, r.normal, mesh, rays);
   return r;
 }
 
@@ -47,7 +49,7 @@ Receivers on_vertices(const Mesh& mesh) {
   r.normal = vertex_normals(mesh);
   r.on_occluder.assign(r.position.size(), 1);
   const RayScene rays(mesh);
-  place_origins(r, geometric_normals(mesh), RayOrigins(mesh, rays));
+  place_ray_origins(r, geometric_normals(mesh), mesh, rays);
   return r;
 }
 
@@ -123,7 +125,7 @@ Receivers through_camera(const Camera& camera, const Mesh& mesh) {
   tbb::parallel_for(0, r.height, [&](int y) {
     for (int x = 0; x < r.width; ++x) finder.find(x, y, r, side[std::size_t(y) * r.width + x]);
   });
-  place_origins(r, side, RayOrigins(mesh, rays));
+  place_ray_origins(r, side, mesh, rays);
   return r;
 }
 

@@ -47,6 +47,10 @@ struct ReceiverSpec {
   vec3 albedo{1.0f};
 };
 
+/// Fills origin and touches; `side` holds unit geometric normals on the side that is shaded, `rays` are of the mesh.
+/// For receivers that were not made by make_receivers.
+void place_ray_origins(Receivers& r, const std::vector<vec3>& side, const Mesh& mesh, const RayScene& rays);
+
 /// Those that `which` lists, as width x height.
 Receivers subset(const Receivers& all, const std::vector<std::size_t>& which, int width, int height);
 

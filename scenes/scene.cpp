@@ -58,7 +58,7 @@ Animation::Animation(const Scene& scene)
       spheres_(scene.spheres),
       light_(scene.light),
       receivers_(scene.receivers) {
-  if (deforms() && !mesh_.empty()) carrier_ = SphereCarrier(mesh_, spheres_, scene.motion.carry);
+  if (deforms() && !mesh_.empty() && !spheres_.empty()) carrier_ = SphereCarrier(mesh_, spheres_, scene.motion.carry);
 }
 
 bool Animation::deforms() const {

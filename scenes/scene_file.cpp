@@ -42,6 +42,14 @@ auto at_key(const TomlReader& at, const std::string& key, Load load) {
   }
 }
 
+/// A place or an edge. Farther out the square of a distance is no float.
+std::optional<dvec3> read_place(TomlReader& at, const std::string& key) {
+  const auto v = at.point(key);
+  if (v && glm::any(glm::greaterThan(glm::abs(*v), dvec3(huge))))
+    at.fail(key, fmt::format("holds a number outside [{}, {}]", -huge, huge));
+  return v;
+}
+
 Objective read_objective(TomlReader& at) {
   const auto name = at.text("objective");
   if (!name) return FitRequest().objective;
@@ -118,7 +126,8 @@ Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& o
     if (occluder.mesh.triangles.empty()) at.fail("fit", "needs a mesh");
     const double height = fit->number("height", tiny, huge).value_or(0.0);
     const bool on_ground = fit->boolean("on_ground").value_or(false);
-    const Similarity to_scene = fit_to(bounds(occluder.mesh), height, on_ground, fit->point("at").value_or(dvec3(0.0)));
+    const Similarity to_scene =
+        fit_to(bounds(occluder.mesh), height, on_ground, read_place(*fit, "at").value_or(dvec3(0.0)));
     for (dvec3& p : occluder.mesh.positions) p = to_scene(p);
     occluder.spheres = transformed(std::move(occluder.spheres), to_scene);
     fit->finish();
@@ -145,7 +154,7 @@ PlaneGrid read_plane(TomlReader in, dvec3& origin) {
   plane.half_extent = float(half_extent);
   plane.resolution = in.required("resolution", in.integer("resolution", 1, 4096), "receivers along an edge");
   if (in.has("centre") && in.has("y")) in.fail("y", "is part of the centre");
-  const dvec3 centre = in.point("centre").value_or(dvec3(0.0, in.number("y", -huge, huge).value_or(0.0), 0.0));
+  const dvec3 centre = read_place(in, "centre").value_or(dvec3(0.0, in.number("y", -huge, huge).value_or(0.0), 0.0));
   origin = local_origin(centre, half_extent);
   const vec3 local(centre - origin);
   plane.x = local.x, plane.y = local.y, plane.z = local.z;
@@ -155,8 +164,8 @@ PlaneGrid read_plane(TomlReader in, dvec3& origin) {
 
 Camera read_camera(TomlReader in, dvec3& origin) {
   Camera camera;
-  const dvec3 eye = in.required("eye", in.point("eye"), "[x, y, z]");
-  const dvec3 target = in.required("target", in.point("target"), "[x, y, z]");
+  const dvec3 eye = in.required("eye", read_place(in, "eye"), "[x, y, z]");
+  const dvec3 target = in.required("target", read_place(in, "target"), "[x, y, z]");
   if (eye == target) in.fail("target", "is the eye itself");
   origin = local_origin(target, glm::distance(eye, target));
   camera.eye = vec3(eye - origin);
@@ -231,16 +240,8 @@ std::optional<vec3> read_direction(TomlReader& at, const std::string& key) {
   return vec3(glm::normalize(*v / largest));
 }
 
-/// A place or an edge of a lamp. Farther out the square of a distance is no float.
-std::optional<dvec3> read_length(TomlReader& at, const std::string& key) {
-  const auto v = at.point(key);
-  if (v && glm::any(glm::greaterThan(glm::abs(*v), dvec3(huge))))
-    at.fail(key, fmt::format("holds a number outside [{}, {}]", -huge, huge));
-  return v;
-}
-
 AreaLight read_area_light(TomlReader at, dvec3 origin) {
-  const vec3 centre(at.required("centre", read_length(at, "centre"), "[x, y, z]") - origin);
+  const vec3 centre(at.required("centre", read_place(at, "centre"), "[x, y, z]") - origin);
   const auto radiance = at.vector("radiance").value_or(vec3(1.0f));
   if (glm::any(glm::lessThan(radiance, vec3(0.0f)))) at.fail("radiance", "must not be negative");
   AreaLight light;
@@ -249,9 +250,8 @@ AreaLight read_area_light(TomlReader at, dvec3 origin) {
     const vec3 normal = at.required("normal", read_direction(at, "normal"), "the side it shines to");
     light = make_disc(centre, normal, float(radius), radiance);
   } else {
-    const vec3 u =
-        at.required("edge_u", read_length(at, "edge_u"), "a rectangle's edge (a disc has normal and radius)");
-    const vec3 v = at.required("edge_v", read_length(at, "edge_v"), "a rectangle's edge");
+    const vec3 u = at.required("edge_u", read_place(at, "edge_u"), "a rectangle's edge (a disc has normal and radius)");
+    const vec3 v = at.required("edge_v", read_place(at, "edge_v"), "a rectangle's edge");
     light = make_rectangle(centre, u, v, radiance);
   }
   at.finish();
@@ -295,7 +295,7 @@ Motion read_motion(TomlReader at, dvec3 origin) {
   motion.amount = float(at.number("amount", -100.0, 100.0).value_or(1.0));
   motion.period = float(at.number("period", 1.0, huge).value_or(16.0));
   motion.frames = at.integer("frames", 1, 100000).value_or(16);
-  motion.centre = vec3(at.point("centre").value_or(dvec3(0.0)) - origin);
+  motion.centre = vec3(read_place(at, "centre").value_or(dvec3(0.0)) - origin);
   const std::string carry = at.text("carry").value_or("rigid");
   if (carry == "affine") motion.carry = Carry::affine;
   else if (carry != "rigid") at.fail("carry", "is '" + carry + "'; allowed are rigid, affine");

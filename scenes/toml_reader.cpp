@@ -1,5 +1,6 @@
 #include "scenes/toml_reader.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/ranges.h>
@@ -86,7 +87,7 @@ std::optional<dvec3> TomlReader::point(const std::string& key) {
   bool good = a && a->size() == 3;
   for (int k = 0; good && k < 3; ++k) {
     const auto value = a->get(k)->value<double>();
-    good = a->get(k)->is_number() && value && std::abs(*value) < 1e150;  // also refuses NaN
+    good = a->get(k)->is_number() && value && std::isfinite(*value);
     if (good) v[k] = *value;
   }
   if (!good) fail(key, "must be three finite numbers [x, y, z]");

@@ -160,7 +160,7 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
   const float widest = float(settings.margin) * view.widest();
   window.grow(widest);
   Box looked_at = view.perspective ? footing.window : find_receivers(view, receivers).window;
-  looked_at.grow(widest);
+  looked_at.grow(8.0f * widest);  // snapped regions are larger, and near the border shifted inside: keep it off
   window.cut(looked_at);
   window.cut({-most, most});
   const vec2 extent = window.high - window.low, middle = 0.5f * (window.low + window.high);

@@ -160,7 +160,7 @@ std::vector<std::uint32_t> blocked_directions(const DirectionSet& set, const Ray
 
 TransferVectors compute_transfer(const Request& request, const DirectionSet& set, const RayScene& rays,
                                  const Mesh& mesh, const Receivers& receivers) {
-  if (request.transfer != Transfer::interreflected || request.bounces == 0)
+  if (request.transfer != Transfer::interreflected || request.bounces == 0 || mesh.empty())
     return gather_all(request, set, rays, receivers, nullptr);
   const Receivers vertices = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh);
   TransferVectors at_vertices;

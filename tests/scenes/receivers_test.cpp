@@ -69,5 +69,33 @@ TEST(Animation, MovesWhatTheSceneSays) {
   EXPECT_NEAR(environment_of(light.frame(0).light)->rotation, 0.0, 1e-6);
 }
 
+TEST(Animation, NormalsOfTheMeshGoWithIt) {
+  Scene scene = test::sphere_scene({}, test::receivers_at({{0, 0, 0}}));
+  scene.mesh = make_torus_knot();
+  scene.mesh.normals = geometric_normals(scene.mesh);
+  for (const Motion::Kind kind : {Motion::Kind::rigid, Motion::Kind::twist, Motion::Kind::bend}) {
+    scene.motion = {kind, 0.7f, 4.0f, 4};
+    Animation animation(scene);
+    const Mesh& moved = animation.frame(1).mesh;
+    const std::vector<vec3> geometric = geometric_normals(moved);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < geometric.size(); ++i) {
+      EXPECT_GT(glm::dot(moved.normals[i], geometric[i]), 0.98f) << int(kind);
+      sum += double(glm::distance(moved.normals[i], scene.mesh.normals[i])) / double(geometric.size());
+    }
+    EXPECT_GT(sum, 0.1) << "they did move";
+  }
+}
+
+TEST(Animation, TurnsAboutTheCentreOfTheMotion) {
+  Scene scene = test::sphere_scene({{{11, 2, 0}, 0.5f}}, test::receivers_at({{0, 0, 0}}));
+  scene.light = make_disc({12, 5, 0}, {-1, -1, 0}, 1.0f, vec3(1.0f));
+  scene.motion = {Motion::Kind::rigid, float(pi / 2), 4.0f, 4, Carry::rigid, vec3(10, 0, 0)};
+  EXPECT_LT(glm::distance(Animation(scene).frame(1).spheres.spheres[0].centre, vec3(10, 2, -1)), 1e-4f);
+  scene.motion = {Motion::Kind::rotate_light, float(2 * pi), 4.0f, 4, Carry::rigid, vec3(10, 0, 0)};
+  Animation light(scene);
+  EXPECT_LT(glm::distance(area_light_of(light.frame(1).light)->centre, vec3(10, 5, -2)), 1e-4f);
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -1,4 +1,5 @@
 // The shadow-map family on scenes whose answer is known, and on scenes that ask for trouble.
+#include "scenes/ray_scene.h"
 #include "techniques/bases/area_irradiance.h"
 #include "tests/support.h"
 
@@ -194,6 +195,7 @@ TEST(Pcss, SignedErrorTellsLeaksFromDarkening) {
     receivers.albedo.emplace_back(1.0f), receivers.on_occluder.push_back(1);
   }
   receivers.width = int(receivers.position.size());
+  place_ray_origins(receivers, receivers.normal, ball, RayScene(ball));
   const Scene scene = lamp_scene(ball, receivers);
   const auto mean = [&](const std::vector<std::string>& parameters) {
     double sum = 0.0;
