@@ -69,6 +69,7 @@ TEST_P(ShLighting, TurningSceneAndLightTogetherChangesNothing) {
   const auto turn = [&](vec3& p) { p = {c * p.x + s * p.z, p.y, c * p.z - s * p.x}; };
   for (vec3& p : scene.mesh.positions) turn(p);
   for (vec3& p : scene.receivers.position) turn(p);
+  for (vec3& p : scene.receivers.origin) turn(p);
   for (vec3& n : scene.receivers.normal) turn(n);
   std::get<Environment>(scene.light).rotation = double(angle);
   EXPECT_LT(test::difference(shaded(scene, {"transfer=unshadowed"}), still), 1e-6);
