@@ -15,11 +15,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 struct Box {
   vec2 low{infinity}, high{-infinity};
   void add(vec2 q) { low = glm::min(low, q), high = glm::max(high, q); }
-  void add(const Box& other) { low = glm::min(low, other.low), high = glm::max(high, other.high); }
-  void grow(float by) { low -= by, high += by; }
-  void cut(const Box& most) {
-    low = glm::clamp(low, most.low, most.high), high = glm::clamp(high, most.low, most.high);
-  }
+  void cut(vec2 most) { low = glm::clamp(low, -most, most), high = glm::clamp(high, -most, most); }
 };
 
 void set_axes(const AreaLight& light, double scale, LightView& view) {
@@ -36,35 +32,28 @@ void set_axes(const AreaLight& light, double scale, LightView& view) {
   view.across_v = vec3(glm::cross(n, u) / glm::dot(n, n));
 }
 
-/// Where the valid receivers in front of the light lie: q, and depth of the farthest, m; 0 if there is none.
-struct Footing {
-  Box window;
-  float farthest = 0.0f;
-};
-
-Footing find_receivers(const LightView& view, const Receivers& receivers) {
-  const auto add = [&](const tbb::blocked_range<int>& range, Footing sum) {
-    for (int i = range.begin(); i < range.end(); ++i) {
-      const float z = view.depth(receivers.position[i]);
-      if (!(z > 0.0f) || !(z < infinity) || !receivers.valid(i)) continue;
-      sum.window.add(view.project(receivers.position[i], z));
-      sum.farthest = std::max(sum.farthest, z);
-    }
-    return sum;
+/// Depth of the farthest valid receiver in front of the light, m; 0 if there is none.
+float farthest_receiver(const LightView& view, const Receivers& receivers) {
+  const auto farther = [&](const tbb::blocked_range<int>& range, float farthest) {
+    for (int i = range.begin(); i < range.end(); ++i)
+      if (const float z = view.depth(receivers.position[i]); z > farthest && z < infinity && receivers.valid(i))
+        farthest = z;
+    return farthest;
   };
-  return tbb::parallel_reduce(tbb::blocked_range<int>(0, receivers.size(), 4096), Footing{}, add,
-                              [](Footing a, const Footing& b) {
-                                a.window.add(b.window);
-                                a.farthest = std::max(a.farthest, b.farthest);
-                                return a;
-                              });
+  return tbb::parallel_reduce(tbb::blocked_range<int>(0, receivers.size(), 4096), 0.0f, farther,
+                              [](float a, float b) { return std::max(a, b); });
 }
 
-/// The vertices of triangles that may stand between the light and a receiver. A triangle whose nearest corner has the
-/// depth z casts a penumbra of at most width(z, farthest) about itself, so where that does not meet the receivers, the
-/// map need not hold it: a part of the mesh that stands elsewhere changes nothing.
-std::vector<std::uint8_t> find_blockers(const LightView& view, const Mesh& mesh, const Footing& receivers,
-                                        float margin) {
+/// q of what the light sees within 80 degrees of its axis.
+vec2 widest_angle(const LightView& view) {
+  return vec2(6.0f) / vec2(glm::length(view.edge_u), glm::length(view.edge_v));  // the tangent of 80 degrees
+}
+
+/// The vertices of triangles that may shadow a receiver: nearer to the light than the farthest one, and within the
+/// angle that a map can hold. So a part of the mesh that stands far away changes nothing.
+std::vector<std::uint8_t> find_blockers(LightView view, const Mesh& mesh) {
+  view.perspective = true;
+  const vec2 most = widest_angle(view);
   std::vector<std::uint8_t> found(mesh.positions.size(), 0);
   for (const uvec3& t : mesh.triangles) {
     Box window;
@@ -76,10 +65,9 @@ std::vector<std::uint8_t> find_blockers(const LightView& view, const Mesh& mesh,
       if (z > 0.0f) near = std::min(near, z), window.add(view.project(p, z));
       else behind = true;
     }
-    if (!(near < receivers.farthest)) continue;
-    const float reach = std::max(1.0f, margin) * view.width(near, receivers.farthest);
-    const bool meets = glm::all(glm::lessThanEqual(window.low, receivers.window.high + reach)) &&
-                       glm::all(glm::greaterThanEqual(window.high, receivers.window.low - reach));
+    if (!(near < view.farthest)) continue;
+    const bool meets =
+        glm::all(glm::lessThanEqual(window.low, most)) && glm::all(glm::greaterThanEqual(window.high, -most));
     if (meets || behind)
       for (int k = 0; k < 3; ++k) found[t[k]] = 1;
   }
@@ -94,8 +82,8 @@ struct Blockers {
   vec3 low{infinity}, high{-infinity};
 };
 
-Blockers measure(const LightView& view, const Mesh& mesh, const Footing& receivers, float margin) {
-  const std::vector<std::uint8_t> found = find_blockers(view, mesh, receivers, margin);
+Blockers measure(const LightView& view, const Mesh& mesh) {
+  const std::vector<std::uint8_t> found = find_blockers(view, mesh);
   Blockers blockers;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i]) continue;
@@ -128,12 +116,10 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
   outside = 0;
   view.resolution = settings.resolution;
   set_axes(light, settings.light_scale, view);
-  view.perspective = true;  // low and density are still 0 and 1: project() and width() give q itself
-  const Footing footing = find_receivers(view, receivers);
-  const Blockers blockers = measure(view, mesh, footing, float(settings.margin));
   view.perspective = settings.perspective;
+  view.farthest = farthest_receiver(view, receivers);
+  const Blockers blockers = measure(view, mesh);
   view.near = 1.0f;
-  view.farthest = footing.farthest;
   if (!(blockers.far > 0.0f)) {  // nothing in front of the light: an empty map
     view.density = float(settings.resolution);
     return view;
@@ -147,7 +133,7 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
     view.spread /= distance;
   }
   const vec2 edges(glm::length(view.edge_u), glm::length(view.edge_v));
-  const vec2 most = view.perspective ? vec2(6.0f) / edges : vec2(infinity);  // tan of 80 degrees
+  const vec2 most = view.perspective ? widest_angle(view) : vec2(infinity);
   Box window;
   for (const vec3& p : blockers.points) {
     const float z = view.depth(p);
@@ -158,11 +144,8 @@ LightView make_light_view(const AreaLight& light, const Mesh& mesh, const Receiv
   }
   if (view.perspective && blockers.behind) window.add(-most), window.add(most);  // it may pass anywhere
   const float widest = float(settings.margin) * view.widest();
-  window.grow(widest);
-  Box looked_at = view.perspective ? footing.window : find_receivers(view, receivers).window;
-  looked_at.grow(8.0f * widest);  // snapped regions are larger, and near the border shifted inside: keep it off
-  window.cut(looked_at);
-  window.cut({-most, most});
+  window.low -= widest, window.high += widest;
+  window.cut(most);
   const vec2 extent = window.high - window.low, middle = 0.5f * (window.low + window.high);
   const float least = 1e-6f / (view.perspective ? view.farthest : 1.0f);  // q of a perspective counts by 1 / m
   const float edge = std::max({extent.x, extent.y, least}) * (1.0f + 2.0f / float(settings.resolution));

@@ -80,12 +80,12 @@ Scene through_file(const Scene& scene, const Placement& place) {
   return found;
 }
 
-/// With a box of the scene's height 10^5 sizes away, as wide as the scene or 10^5 times as wide: seen from the scene it
-/// is a dot or a hair.
-Scene with_far_part(const Scene& scene, float width) {
+/// With a box of the scene's height 10^5 sizes away, as wide as the scene or 10^5 times as wide, and so many heights
+/// up: seen from the scene it is a dot or a hair.
+Scene with_far_part(const Scene& scene, float width, float up) {
   const Bounds box = bounds(scene.mesh);
   const float size = std::max({box.extent().x, box.extent().y, box.extent().z});
-  const vec3 low = box.low + size * vec3(1e5f, -1.3f, 0.7e5f);
+  const vec3 low = box.low + size * vec3(1e5f, up, 0.7e5f);
   const Mesh far = make_box(low, low + size * vec3(width, 1.0f, width));
   Scene out = scene;
   const auto first = unsigned(out.mesh.positions.size());
@@ -115,8 +115,8 @@ std::vector<Change> changes() {
   return {{"in 2^-20 m", true, placed(0x1p20, dvec3(0.0))},
           {"in 2^20 m", true, placed(0x1p-20, dvec3(0.0))},
           {"moved by 2^20 m", true, placed(1.0, dvec3(0x1p20, 0x1p18, -0x1p19))},
-          {"with a part 1e5 sizes away", true, [](const Scene& s) { return with_far_part(s, 1.0f); }},
-          {"with a huge part 1e5 sizes away", true, [](const Scene& s) { return with_far_part(s, 1e5f); }},
+          {"with a part 1e5 sizes away", true, [](const Scene& s) { return with_far_part(s, 1.0f, 0.2f); }},
+          {"with a huge part 1e5 sizes away", true, [](const Scene& s) { return with_far_part(s, 1e5f, -1.3f); }},
           {"in micrometres", false, placed(1e6, dvec3(0.0))},
           {"in units of 1000 km", false, placed(1e-6, dvec3(0.0))},
           {"moved by 1e4 sizes", false, moved}};

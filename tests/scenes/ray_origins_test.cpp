@@ -131,5 +131,20 @@ TEST(Receivers, ShadingNormalsAreTheMeshsAndSidesGeometric) {
   }
 }
 
+TEST(Receivers, TheSideIsTheOneThatIsSeenWhateverTheNormalsSay) {
+  Mesh mesh = make_box(vec3(-1.0f), vec3(1.0f));
+  for (const vec3 normal : {vec3(0, 1, 0), glm::normalize(vec3(0.1f, -1, 0))}) {
+    mesh.normals.assign(mesh.positions.size(), normal);
+    const Receivers above = make_receivers({Camera{{0, 5, 0.01f}, vec3(0.0f), 10.0f, 3, 3, false}, vec3(1.0f)}, mesh);
+    const Receivers within = make_receivers({Camera{vec3(0.0f), {0, 1, 0.01f}, 10.0f, 3, 3, false}, vec3(1.0f)}, mesh);
+    for (int i = 0; i < above.size(); ++i) {
+      EXPECT_GT(above.origin[i].y, 1.0f);
+      EXPECT_LT(glm::distance(above.normal[i], normal), 1e-6f) << "a front shows its normal";
+      EXPECT_LT(within.origin[i].y, 1.0f);
+      EXPECT_LT(glm::distance(within.normal[i], -normal), 1e-6f) << "a back the other one";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace penumbra
