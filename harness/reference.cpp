@@ -1,5 +1,6 @@
 #include "harness/reference.h"
 
+#include <spdlog/spdlog.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
@@ -144,6 +145,8 @@ void compute_truth(const Frame& frame, const ReferenceSettings& settings, Refere
     sampler.finish();
     if (out.noise(valid) <= settings.truth_noise * rms(out.mean, valid)) return;
   }
+  spdlog::warn("the truth's standard error is {:.2g} % of its RMS after {} rays a receiver; {:.2g} % was asked for",
+               100.0 * out.noise(valid) / rms(out.mean, valid), out.rays_per_receiver, 100.0 * settings.truth_noise);
 }
 
 constexpr int cells = 13;

@@ -11,7 +11,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int format_version = 4;  // raise when a rung's algorithm changes: old files are then never looked at
+constexpr int format_version = 5;  // raise when a rung's algorithm changes: old files are then never looked at
 
 void add_light(ContentHash& hash, const Light& light) {
   if (const Environment* e = environment_of(light)) {

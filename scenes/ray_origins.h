@@ -5,8 +5,8 @@
 // last place, and the height of a ray's origin over a triangle, which Embree computes from differences of corners and
 // origin: by some units in the last place of the triangle's own size, more for slivers. Nothing else does: not where
 // the scene lies beyond the point's own coordinates, not its unit, not what stands elsewhere (cf. Pharr, Jakob &
-// Humphreys 2016, section 3.9). So a ray starts beside its point by 16 such units of the triangles that the point lies
-// on.
+// Humphreys 2016, section 3.9). So a ray starts at least 4 such units above every triangle that it could meet by
+// rounding.
 #pragma once
 
 #include "scenes/ray_scene.h"
@@ -25,11 +25,19 @@ class RayOrigins {
   Contact contact(vec3 point) const;
 
  private:
-  double bound(const uvec3& triangle) const;
+  /// A triangle whose heights round by up to `bound`, m, in the plane dot(normal, p) = offset.
+  struct Face {
+    dvec3 normal;
+    double offset, bound;
+    unsigned triangle;
+  };
+  Face face(unsigned triangle) const;
+  double missing(const Face& face, vec3 point, double own) const;
 
   const Mesh& mesh_;
   const RayScene& rays_;
-  double widest_ = 0.0;  ///< largest bound of a triangle, m
+  std::vector<Face> broad_;  ///< the few that are so large or thin that they are looked at from everywhere
+  double widest_ = 0.0;      ///< largest bound of the others, m
 };
 
 }  // namespace penumbra

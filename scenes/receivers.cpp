@@ -1,13 +1,35 @@
 #include "scenes/receivers.h"
 
+#include <spdlog/spdlog.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <limits>
 
 #include "scenes/error.h"
 #include "scenes/ray_origins.h"
 
 namespace penumbra {
+
+namespace {
+
+void warn_of_large_triangles(const Receivers& r) {
+  vec3 low(std::numeric_limits<float>::infinity()), high = -low;
+  float most = 0.0f;
+  for (int i = 0; i < r.size(); ++i) {
+    if (!r.valid(i)) continue;
+    low = glm::min(low, r.position[i]), high = glm::max(high, r.position[i]);
+    most = std::max(most, glm::distance(r.origin[i], r.position[i]));
+  }
+  if (most > 1e-3f * glm::distance(low, high) && r.size() > 1)
+    spdlog::warn(
+        "receivers lie on triangles so large that their rays must start {:.2g} m above them, {:.2g} % of what is "
+        "looked "
+        "at: divide the largest triangles of the mesh",
+        most, 100.0f * most / glm::distance(low, high));
+}
+
+}  // namespace
 
 void place_ray_origins(Receivers& r, const std::vector<vec3>& side, const Mesh& mesh, const RayScene& rays) {
   const RayOrigins origins(mesh, rays);
@@ -21,6 +43,7 @@ void place_ray_origins(Receivers& r, const std::vector<vec3>& side, const Mesh& 
         r.touches[i] = contact.touches;
       }
   });
+  warn_of_large_triangles(r);
 }
 
 namespace {
@@ -98,7 +121,8 @@ class PixelFinder {
     side = vec3(glm::normalize(glm::cross(b - a, c - a)));
     vec3 n = float(w) * normals_[t.x] + hit.u * normals_[t.y] + hit.v * normals_[t.z];
     if (glm::dot(n, n) == 0.0f) n = side;
-    if (glm::dot(side, towards) > 0.0f) side = -side, n = -n;  // a back face
+    if (mesh_.normals.empty() && glm::dot(n, side) <= 0.0f) n = side;  // a wall of two sides whose means cancel
+    if (glm::dot(side, towards) > 0.0f) side = -side, n = -n;          // a back face
     r.normal[k] = glm::normalize(n);
   }
 

@@ -167,6 +167,8 @@ Camera read_camera(TomlReader in, dvec3& origin) {
   const dvec3 eye = in.required("eye", read_place(in, "eye"), "[x, y, z]");
   const dvec3 target = in.required("target", read_place(in, "target"), "[x, y, z]");
   if (eye == target) in.fail("target", "is the eye itself");
+  if (const double distance = glm::distance(eye, target); !(distance >= tiny && distance <= huge))
+    in.fail("target", fmt::format("is {} m from the eye; allowed is [{}, {}]", distance, tiny, huge));
   origin = local_origin(target, glm::distance(eye, target));
   camera.eye = vec3(eye - origin);
   camera.target = vec3(target - origin);
@@ -306,7 +308,7 @@ Motion read_motion(TomlReader at, dvec3 origin) {
 }  // namespace
 
 std::string read_name(TomlReader& file) {
-  const std::string name = file.required("name", file.text("name"), "a name for tables");
+  std::string name = file.required("name", file.text("name"), "a name for tables");
   if (const std::string fault = name_fault(name); !fault.empty()) file.fail("name", fault);
   return name;
 }

@@ -176,6 +176,7 @@ class Shells {
       return a.opens ? a.triangle > b.triangle : a.triangle < b.triangle;
     });
     std::vector<unsigned> order;
+    order.reserve(order.size() + spokes.size());
     for (const Spoke& s : spokes) order.push_back(s.triangle);
     return order;
   }

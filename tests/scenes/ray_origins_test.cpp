@@ -87,6 +87,20 @@ TEST(RayOrigins, WhatStandsElsewhereChangesNothing) {
   }
 }
 
+TEST(RayOrigins, SliversAndSlabsThatTouchNothingChangeNothing) {
+  const Mesh near = make_box({-0.3f, 0, -0.3f}, {0.3f, 0.6f, 0.3f});
+  const ReceiverSpec spec{PlaneGrid{1.0f, 24, 0.0f}, vec3(1.0f)};
+  const std::vector<vec3> alone = make_receivers(spec, near).origin;
+  for (const Mesh& other : {one_triangle({-500, -0.5, 0}, {500, -0.5, 0}, {0, -0.5, 0.1}),
+                            one_triangle({-6e4, 20, 20}, {6e4, 20, 20}, {0, 20, 20.1}),
+                            make_box({-1e4f, -0.2f, -1e4f}, {1e4f, -0.05f, 1e4f})}) {
+    Mesh both = near;
+    for (const vec3& p : other.positions) both.positions.push_back(p);
+    for (const uvec3& t : other.triangles) both.triangles.push_back(t + unsigned(near.positions.size()));
+    EXPECT_EQ(make_receivers(spec, both).origin, alone);
+  }
+}
+
 TEST(RayOrigins, TheyScaleWithTheScene) {
   Mesh mesh = make_torus_knot();
   const std::vector<vec3> metres = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh).origin;
