@@ -1,8 +1,8 @@
-#include "harness/black_truth.h"
+#include "harness/measure/black_truth.h"
 
-#include "harness/metrics.h"
-#include "harness/reference.h"
-#include "harness/run.h"
+#include "harness/commands/run.h"
+#include "harness/measure/reference.h"
+#include "harness/results/metrics.h"
 #include "tests/support.h"
 
 namespace penumbra {

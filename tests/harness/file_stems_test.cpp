@@ -1,4 +1,4 @@
-#include "harness/file_stems.h"
+#include "harness/measure/file_stems.h"
 
 #include "scenes/names.h"
 #include "tests/support.h"

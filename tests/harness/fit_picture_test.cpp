@@ -1,4 +1,4 @@
-#include "harness/fit_picture.h"
+#include "harness/commands/fit_picture.h"
 
 #include "scenes/shapes.h"
 #include "tests/support.h"

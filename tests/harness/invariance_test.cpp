@@ -2,9 +2,9 @@
 // written to files elsewhere and in another unit, loaded, and shaded by the truth and by every technique.
 #include <fmt/format.h>
 
-#include "harness/metrics.h"
-#include "harness/reference.h"
-#include "harness/run.h"
+#include "harness/commands/run.h"
+#include "harness/measure/reference.h"
+#include "harness/results/metrics.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"

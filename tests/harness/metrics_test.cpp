@@ -1,10 +1,10 @@
-#include "harness/metrics.h"
+#include "harness/results/metrics.h"
 
 #include <nlohmann/json.hpp>
 
 #include <numeric>
 
-#include "harness/filter.h"
+#include "harness/results/filter.h"
 #include "tests/support.h"
 
 namespace penumbra {

@@ -1,6 +1,6 @@
-#include "harness/published.h"
+#include "harness/report/published.h"
 
-#include "harness/published_times.h"
+#include "harness/report/published_times.h"
 
 #include "tests/support.h"
 

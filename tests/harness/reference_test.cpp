@@ -1,8 +1,8 @@
-#include "harness/reference.h"
+#include "harness/measure/reference.h"
 
 #include <tbb/task_arena.h>
 
-#include "harness/run.h"
+#include "harness/commands/run.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"

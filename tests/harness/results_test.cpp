@@ -1,6 +1,6 @@
-#include "harness/results.h"
+#include "harness/results/row.h"
 
-#include "harness/timing.h"
+#include "harness/measure/timing.h"
 #include "tests/support.h"
 
 namespace penumbra {

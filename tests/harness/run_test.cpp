@@ -1,11 +1,11 @@
 // A whole run with techniques that misbehave.
-#include "harness/run.h"
+#include "harness/commands/run.h"
 
 #include <set>
 
 #include "cuda/host/registry.h"
 #include "cuda/host/runtime_host.h"
-#include "harness/results.h"
+#include "harness/results/row.h"
 #include "scenes/error.h"
 #include "tests/support.h"
 

@@ -1,4 +1,4 @@
-#include "harness/sequence.h"
+#include "harness/measure/sequence.h"
 
 #include "tests/support.h"
 

@@ -1,4 +1,4 @@
-#include "harness/steps.h"
+#include "harness/measure/steps.h"
 
 #include "tests/support.h"
 

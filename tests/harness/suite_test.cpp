@@ -1,4 +1,4 @@
-#include "harness/suite.h"
+#include "harness/measure/suite.h"
 
 #include "scenes/assets.h"
 #include "tests/support.h"

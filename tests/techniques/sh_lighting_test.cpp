@@ -1,5 +1,5 @@
 // Diffuse transfer against closed forms.
-#include "harness/run.h"
+#include "harness/commands/run.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"
 

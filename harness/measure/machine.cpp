@@ -1,0 +1,58 @@
+#include "harness/measure/machine.h"
+
+#include <hwy/targets.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "cuda/register_cuda.h"
+#include "scenes/assets.h"
+
+namespace penumbra {
+namespace {
+
+std::string output_of(const std::string& command) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen((command + " 2>/dev/null").c_str(), "r"), pclose);
+  std::string text;
+  std::array<char, 256> buffer;
+  while (pipe && fgets(buffer.data(), int(buffer.size()), pipe.get())) text += buffer.data();
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+std::string cpu_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+std::string instruction_sets() {
+  std::string names;
+  for (int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+    if (!names.empty()) names += ' ';
+    names += hwy::TargetName(left & -left);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::map<std::string, std::string> describe_machine() {
+  const std::string git = "git -C '" + data_folder() + "' ";
+  const std::string commit = output_of(git + "rev-parse HEAD");
+  std::map<std::string, std::string> machine = cuda_context();
+  machine.insert({{"cpu_name", cpu_name()},
+                  {"instruction_sets", instruction_sets()},
+                  {"compiler", PENUMBRA_COMPILER},
+                  {"flags", PENUMBRA_FLAGS},
+                  {"build_type", PENUMBRA_BUILD_TYPE},
+                  {"commit", commit.empty() ? "unknown" : commit},
+                  {"dirty", output_of(git + "status --porcelain").empty() ? "false" : "true"},
+                  {"cuda", cuda_status()}});
+  return machine;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,63 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "harness/commands/run.h"
+#include "harness/measure/black_truth.h"
+
+namespace penumbra {
+
+Scene thinned(const Scene& scene, int edge) {
+  const Receivers& all = scene.receivers;
+  const int most_x = all.height == 1 ? edge * edge : edge;
+  const int step_x = (all.width + most_x - 1) / most_x, step_y = (all.height + edge - 1) / edge;
+  std::vector<std::size_t> which;
+  for (int y = 0; y < all.height; y += step_y)
+    for (int x = 0; x < all.width; x += step_x) which.push_back(std::size_t(y) * all.width + x);
+  Scene out = scene;
+  out.receivers = subset(all, which, (all.width + step_x - 1) / step_x, (all.height + step_y - 1) / step_y);
+  return out;
+}
+
+namespace {
+
+constexpr double parity_floor = 1e-2;
+
+std::vector<vec3> shaded(const Entry& entry, const Parameters& parameters, const Scene& scene) {
+  const auto technique = entry.make(parameters);
+  technique->prepare(scene);
+  Animation animation(scene);
+  const Frame frame = animation.frame(animation.frames() / 3);
+  // Moving receivers are made anew in full; at rest they stay thin.
+  if (!frame.changed.receivers) technique->update(frame);
+  std::vector<vec3> image(std::size_t(scene.receivers.size()));
+  technique->shade({image.data(), scene.receivers.width, scene.receivers.height});
+  return image;
+}
+
+}  // namespace
+
+double parity_with_scalar(const Registry& registry, const Entry& entry, const Parameters& parameters,
+                          const Scene& scene) {
+  if (entry.backend == "scalar") return 0.0;
+  const auto twin = std::find_if(registry.entries().begin(), registry.entries().end(), [&](const Entry& other) {
+    return other.name == entry.name && other.backend == "scalar";
+  });
+  if (twin == registry.entries().end()) return 0.0;
+  const Scene thin = thinned(scene, 32);
+  const auto ours = shaded(entry, parameters, thin), theirs = shaded(*twin, parameters, thin);
+  double squared = 0.0, energy = 0.0;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    const dvec3 a(ours[i]), b(theirs[i]);
+    squared += glm::dot(a - b, a - b);
+    energy += glm::dot(b, b);
+  }
+  if (squared == 0.0) return 0.0;
+  // Both round at the scale of the light, however little of it is left in the image.
+  const double count = 3.0 * double(ours.size());
+  const double floor = parity_floor * light_scale(scene.light, thin.receivers);
+  const double scale = std::max({std::sqrt(energy / count), floor, double(std::numeric_limits<float>::min())});
+  return std::sqrt(squared / count) / scale;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,236 @@
+#include "harness/measure/reference.h"
+
+#include <spdlog/spdlog.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "harness/results/metrics.h"
+#include "scenes/error.h"
+#include "techniques/bases/light_sampling.h"
+#include "techniques/bases/pixel_sum.h"
+#include "techniques/bases/random.h"
+#include "techniques/bases/ray_packets.h"
+#include "techniques/bases/sphere_table.h"
+
+namespace penumbra {
+
+std::string to_string(Rung rung) {
+  switch (rung) {
+    case Rung::truth:
+      return "truth";
+    case Rung::r13x13:
+      return "13x13";
+    case Rung::cube:
+      return "cube";
+    default:
+      return "spheres";
+  }
+}
+
+Rung parse_rung(const std::string& name) {
+  for (const Rung rung : {Rung::truth, Rung::r13x13, Rung::cube, Rung::spheres})
+    if (to_string(rung) == name) return rung;
+  throw Error("unknown rung '{}'; allowed are truth, 13x13, cube, spheres", name);
+}
+
+std::vector<bool> valid_receivers(const Receivers& receivers) {
+  std::vector<bool> valid(receivers.normal.size());
+  for (int i = 0; i < receivers.size(); ++i) valid[i] = receivers.valid(i);
+  return valid;
+}
+
+double Reference::noise(const std::vector<bool>& valid) const {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < valid.size(); ++i)
+    if (valid[i]) sum += double(variance.pixels[i].x + variance.pixels[i].y + variance.pixels[i].z), ++count;
+  return count ? std::sqrt(sum / (3.0 * double(count))) : 0.0;
+}
+
+std::string inapplicable(const Frame& frame, Rung rung) {
+  const bool environment = environment_of(frame.light) != nullptr;
+  if (rung == Rung::r13x13 && environment) return "the rung 13x13 is for area lights";
+  if ((rung == Rung::cube || rung == Rung::spheres) && !environment)
+    return "the rung " + to_string(rung) + " is for environments";
+  if (rung == Rung::spheres && frame.spheres.empty()) return "the scene has no spheres";
+  return "";
+}
+
+namespace {
+
+Image blank(const Receivers& r) {
+  return {r.width, r.height, std::vector<vec3>(std::size_t(r.size()), vec3(0.0f))};
+}
+
+/// Adds rounds of independent stratified estimates until their mean is known well enough. The variance of the mean is
+/// that of the rounds over their number, so the gain of stratification counts.
+class TruthSampler {
+ public:
+  TruthSampler(const Frame& frame, Reference& out)
+      : frame_(frame),
+        out_(out),
+        rays_(frame.mesh),
+        sampler_(frame.light),
+        sum_(out.mean.pixels.size(), dvec3(0.0)),
+        squares_(sum_),
+        open_(sum_) {}
+
+  void round(int index) {
+    const Receivers& r = frame_.receivers;
+    const int groups = (r.size() + RayPacket::size - 1) / RayPacket::size;
+    tbb::enumerable_thread_specific<std::array<LightSampler::Scratch, RayPacket::size>> scratches;
+    tbb::parallel_for(0, groups, [&](int group) { round_of_group(group, index, scratches.local().data()); });
+    ++rounds_;
+  }
+
+  /// Writes mean, variance and unshadowed radiance so far.
+  void finish() {
+    out_.rays_per_receiver = rounds_ * rays_per_round;
+    for (std::size_t i = 0; i < sum_.size(); ++i) {
+      const dvec3 mean = sum_[i] / double(rounds_), albedo(frame_.receivers.albedo[i]);
+      const dvec3 spread = glm::max(dvec3(0.0), squares_[i] / double(rounds_) - mean * mean);
+      out_.mean.pixels[i] = vec3(albedo * mean);
+      out_.variance.pixels[i] = vec3(albedo * albedo * spread / double(rounds_ - 1));
+      out_.unshadowed.pixels[i] = vec3(albedo * open_[i] / double(rounds_));
+    }
+  }
+
+  static constexpr int rays_per_round = 256;
+
+ private:
+  void round_of_group(int group, int index, LightSampler::Scratch* scratch) {
+    const Receivers& r = frame_.receivers;
+    int which[RayPacket::size], count = 0;
+    const LightSample* samples[RayPacket::size];
+    vec3 estimate[RayPacket::size];
+    const int first = group * RayPacket::size, last = std::min(r.size(), first + RayPacket::size);
+    for (int i = first; i < last; ++i) {
+      if (!r.valid(i)) continue;
+      const std::uint64_t stream = mix_bits(std::uint64_t(index) << 32 | std::uint32_t(i));
+      sampler_.draw(r.position[i], r.normal[i], rays_per_round, stream, scratch[count]);
+      samples[count] = scratch[count].samples.data();
+      which[count++] = i;
+    }
+    const auto span = std::size_t(count);
+    estimate_packet(rays_, r, {which, span}, {samples, span}, rays_per_round, estimate);
+    for (int k = 0; k < count; ++k) {
+      const dvec3 value(estimate[k]);
+      sum_[which[k]] += value;
+      squares_[which[k]] += value * value;
+      dvec3 open(0.0);
+      for (int j = 0; j < rays_per_round; ++j) open += dvec3(samples[k][j].weight);
+      open_[which[k]] += open / double(rays_per_round);
+    }
+  }
+
+  const Frame& frame_;
+  Reference& out_;
+  RayScene rays_;
+  LightSampler sampler_;
+  std::vector<dvec3> sum_, squares_, open_;
+  int rounds_ = 0;
+};
+
+void compute_truth(const Frame& frame, const ReferenceSettings& settings, Reference& out) {
+  TruthSampler sampler(frame, out);
+  const std::vector<bool> valid = valid_receivers(frame.receivers);
+  const int most = std::max(8, settings.most_rays / TruthSampler::rays_per_round);
+  int rounds = 0;
+  for (int next = 8; rounds < most; next = std::min(most, rounds + std::max(4, rounds / 4))) {
+    while (rounds < next) sampler.round(rounds++);
+    sampler.finish();
+    if (out.noise(valid) <= settings.truth_noise * rms(out.mean, valid)) return;
+  }
+  spdlog::warn("the truth's standard error is {:.2g} % of its RMS after {} rays a receiver; {:.2g} % was asked for",
+               100.0 * out.noise(valid) / rms(out.mean, valid), out.rays_per_receiver, 100.0 * settings.truth_noise);
+}
+
+constexpr int cells = 13;
+
+LightSample cell_sample(const AreaLight& light, const Receivers& r, int i, int cell) {
+  const int column = cell % cells, row = cell / cells;
+  return sample_area(light, r.position[i], r.normal[i], (float(column) + 0.5f) / cells, (float(row) + 0.5f) / cells);
+}
+
+void compute_13x13(const Frame& frame, Reference& out) {
+  const AreaLight& light = *area_light_of(frame.light);
+  const RayScene rays(frame.mesh);
+  const Receivers& r = frame.receivers;
+  out.rays_per_receiver = cells * cells;
+  tbb::parallel_for(0, r.size(), [&](int i) {
+    if (!r.valid(i)) return;
+    std::vector<LightSample> samples;
+    dvec3 open(0.0);
+    for (int cell = 0; cell < cells * cells; ++cell) {
+      samples.push_back(cell_sample(light, r, i, cell));
+      open += dvec3(samples.back().weight);
+    }
+    out.mean.pixels[i] = r.albedo[i] * estimate_radiance(rays, r.ray_origin(i), samples);
+    out.unshadowed.pixels[i] = r.albedo[i] * vec3(open / double(cells * cells));
+  });
+}
+
+void compute_texels(const Frame& frame, Rung rung, int n, Reference& out) {
+  const CubeLight light(*environment_of(frame.light), n);
+  const RayScene rays(rung == Rung::cube ? frame.mesh : Mesh{});
+  const Receivers& r = frame.receivers;
+  out.rays_per_receiver = rung == Rung::cube ? 6 * n * n : 0;
+  tbb::parallel_for(0, r.size(), [&](int i) {
+    if (!r.valid(i)) return;
+    BitCube blocked(n);
+    out.unshadowed.pixels[i] = pixel_sum(light, blocked, r.normal[i], r.albedo[i]);
+    if (rung == Rung::cube) trace_texels(rays, r.ray_origin(i), r.normal[i], light.directions, true, blocked);
+    else if (!r.on_occluder[i]) rasterise_spheres(frame.spheres, r.position[i], light.directions, blocked);
+    out.mean.pixels[i] = pixel_sum(light, blocked, r.normal[i], r.albedo[i]);
+  });
+}
+
+}  // namespace
+
+void check_finite(const Reference& reference, const Receivers& receivers) {
+  const std::pair<const char*, const Image*> images[] = {
+      {"radiance", &reference.mean}, {"variance", &reference.variance}, {"unshadowed radiance", &reference.unshadowed}};
+  for (const auto& [what, image] : images)
+    for (std::size_t i = 0; i < image->pixels.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        if (const float value = image->pixels[i][c]; !std::isfinite(value)) {
+          const vec3 p = receivers.position[i];
+          throw Error(
+              "{}: receiver {} at ({:.4g}, {:.4g}, {:.4g}) has the {} {}: a number of the scene is not finite or too "
+              "large "
+              "for float; look at its light, or give the light in a larger unit",
+              to_string(reference.rung), i, p.x, p.y, p.z, what, value);
+        }
+}
+
+Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
+  if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
+  const auto start = std::chrono::steady_clock::now();
+  Reference out;
+  out.rung = rung;
+  out.mean = out.variance = out.unshadowed = blank(frame.receivers);
+  if (rung == Rung::truth) compute_truth(frame, settings, out);
+  else if (rung == Rung::r13x13) compute_13x13(frame, out);
+  else compute_texels(frame, rung, settings.resolution, out);
+  check_finite(out, frame.receivers);
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return out;
+}
+
+float visibility_13x13(const Frame& frame, int receiver) {
+  const RayScene rays(frame.mesh);
+  const Receivers& r = frame.receivers;
+  const vec3 origin = r.ray_origin(receiver);
+  int open = 0;
+  for (int cell = 0; cell < cells * cells; ++cell) {
+    const LightSample s = cell_sample(*area_light_of(frame.light), r, receiver, cell);
+    open += !rays.occluded(origin, s.direction, s.reach());
+  }
+  return float(open) / float(cells * cells);
+}
+
+}  // namespace penumbra

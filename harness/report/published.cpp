@@ -1,0 +1,113 @@
+#include "harness/report/published.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "scenes/assets.h"
+#include "scenes/error.h"
+
+namespace penumbra {
+namespace {
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+}  // namespace
+
+CsvFile load_published_csv(const std::string& name) {
+  CsvFile file;
+  file.path = data_folder() + "/../results/published/" + name + ".csv";
+  std::ifstream in(file.path);
+  if (!in) throw Error("published table '{}' is missing: no {}", name, file.path);
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (line.starts_with("#")) {
+      if (file.title.empty()) file.title = line.substr(2);
+      continue;
+    }
+    const std::vector<std::string> cells = cells_of(line);
+    if (file.columns.empty()) {
+      file.columns = cells;
+      continue;
+    }
+    if (cells.size() != file.columns.size())
+      throw Error("{}:{}: {} columns expected", file.path, number, file.columns.size());
+    file.lines.push_back({number, cells});
+  }
+  return file;
+}
+
+double CsvFile::number(const Line& line, std::size_t column) const {
+  try {
+    return std::stod(line.cells[column]);
+  } catch (const std::exception&) {
+    throw Error("{}:{}: '{}' is not a number", path, line.number, line.cells[column]);
+  }
+}
+
+PublishedTable PublishedTable::load(const std::string& name) {
+  const CsvFile file = load_published_csv(name);
+  if (file.columns.size() < 3 || file.columns.back() != "fps")
+    throw Error("{}: the last column must be fps", file.path);
+  PublishedTable table;
+  table.title_ = file.title;
+  for (const CsvFile::Line& line : file.lines) {
+    Line entry;
+    for (std::size_t k = 0; k + 2 < line.cells.size(); ++k) entry.keys[file.columns[k]] = line.cells[k];
+    entry.device = line.cells[line.cells.size() - 2];
+    entry.fps = file.number(line, line.cells.size() - 1);
+    if (std::find(table.devices_.begin(), table.devices_.end(), entry.device) == table.devices_.end())
+      table.devices_.push_back(entry.device);
+    table.lines_.push_back(std::move(entry));
+  }
+  return table;
+}
+
+std::map<std::string, double> PublishedTable::lookup(const Row& row) const {
+  std::map<std::string, double> found;
+  for (const Line& line : lines_) {
+    const bool same = std::all_of(line.keys.begin(), line.keys.end(), [&](const auto& key) {
+      if (key.first == "spheres") return std::to_string(row.spheres) == key.second;
+      const auto at = row.parameters.all().find(key.first);
+      return at != row.parameters.all().end() && to_string(at->second) == key.second;
+    });
+    if (same) found[line.device] = line.fps;
+  }
+  return found;
+}
+
+std::string make_published_table(const PublishedTable& table, const std::vector<Row>& rows) {
+  std::string text = fmt::format(
+      "\n## Beside the published figures\n\n{}\n\n| scene | variant | spheres | terms | fps |", table.title());
+  for (const std::string& device : table.devices()) text += fmt::format(" published {0} | x {0} |", device);
+  text += " spheres % | cube % | truth % |\n|---|---|---|---|---|";
+  for (std::size_t k = 0; k < 2 * table.devices().size() + 3; ++k) text += "---|";
+  text += "\n";
+  for (const Row& row : rows) {
+    const auto published = row.ok() ? table.lookup(row) : std::map<std::string, double>();
+    if (published.empty()) continue;
+    const double fps = 1e3 / row.median_frame_ms();
+    const auto& parameters = row.parameters.all();
+    const std::string level = parameters.contains("level") ? " level " + to_string(parameters.at("level")) : "";
+    text += fmt::format("| {} | {} {}{}, {} threads | {} | {} | **{:.1f}** |", row.scene, row.technique, row.backend,
+                        level, row.threads, row.spheres, to_string(parameters.at("terms")), fps);
+    for (const std::string& device : table.devices()) {
+      const auto at = published.find(device);
+      text += at == published.end() ? " | |" : fmt::format(" {} | {:.1f} |", at->second, fps / at->second);
+    }
+    text +=
+        fmt::format(" {} | {} | {} |\n", rung_text(row, "spheres"), rung_text(row, "cube"), rung_text(row, "truth"));
+  }
+  return text;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,53 @@
+#include "harness/results/pictures.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace penumbra {
+
+void try_to_save(const std::function<void()>& save) {
+  try {
+    save();
+  } catch (const std::exception& e) {
+    spdlog::warn("{}; going on without", e.what());
+  }
+}
+
+Image exposed(const Image& image, double exposure) {
+  Image out = image;
+  for (vec3& p : out.pixels) p = vec3(dvec3(p) * exposure);
+  return out;
+}
+
+Image signed_error(const Image& image, const Image& reference, double exposure) {
+  Image out{image.width, image.height, {}};
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const double e =
+        std::clamp(4.0 * exposure * double(luminance(image.pixels[i]) - luminance(reference.pixels[i])), -1.0, 1.0);
+    const auto fade = float(1.0 - std::abs(e));
+    out.pixels.push_back(e >= 0 ? vec3(1.0f, fade, fade) : vec3(fade, fade, 1.0f));
+  }
+  return out;
+}
+
+Image contact_sheet(const std::vector<std::vector<Image>>& rows) {
+  if (rows.empty() || rows[0].empty()) return {};
+  constexpr int gap = 2, widest = 128;
+  const int step = std::max(1, (rows[0][0].width + widest - 1) / widest);
+  const int width = (rows[0][0].width + step - 1) / step, height = (rows[0][0].height + step - 1) / step;
+  Image sheet{int(rows[0].size()) * (width + gap) - gap, int(rows.size()) * (height + gap) - gap, {}};
+  sheet.pixels.assign(std::size_t(sheet.width) * sheet.height, vec3(1.0f));
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    for (std::size_t c = 0; c < rows[r].size(); ++c)
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          const Image& panel = rows[r][c];
+          const std::size_t at = (r * (height + gap) + y) * sheet.width + c * (width + gap) + x;
+          sheet.pixels[at] = panel.pixels[std::size_t(y * step) * panel.width + x * step];
+        }
+  return sheet;
+}
+
+}  // namespace penumbra
