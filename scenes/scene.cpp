@@ -53,12 +53,11 @@ vec3 moved_normal(const Motion& motion, const Bounds& rest, vec3 p, vec3 normal,
 
 Animation::Animation(const Scene& scene)
     : scene_(scene),
-      rest_(bounds(scene.mesh)),
-      mesh_(scene.mesh),
-      spheres_(scene.spheres),
-      light_(scene.light),
-      receivers_(scene.receivers) {
-  if (deforms() && !mesh_.empty() && !spheres_.empty()) carrier_ = SphereCarrier(mesh_, spheres_, scene.motion.carry);
+      rest_(bounds(scene.mesh)) {
+  if (scene.motion.kind == Motion::Kind::rotate_light) light_ = scene.light;
+  if (!deforms()) return;
+  mesh_ = scene.mesh, spheres_ = scene.spheres;
+  if (!mesh_.empty() && !spheres_.empty()) carrier_ = SphereCarrier(mesh_, spheres_, scene.motion.carry);
 }
 
 bool Animation::deforms() const {
@@ -96,7 +95,12 @@ Frame Animation::frame(int index) {
       receivers_ = make_receivers(scene_.receiver_spec, mesh_);
     }
   }
-  return {double(index), mesh_, spheres_, light_, receivers_, changed};
+  return {double(index),
+          changed.mesh ? mesh_ : scene_.mesh,
+          changed.spheres ? spheres_ : scene_.spheres,
+          changed.light ? light_ : scene_.light,
+          changed.receivers ? receivers_ : scene_.receivers,
+          changed};
 }
 
 }  // namespace penumbra

@@ -55,6 +55,7 @@ struct Frame {
 class Animation {
  public:
   explicit Animation(const Scene& scene);
+  /// What does not move is the scene's own.
   Frame frame(int index);
   const Scene& scene() const { return scene_; }
   /// Does the motion move the occluder?

@@ -97,6 +97,7 @@ SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const Sphere
     request.objective = choice.objective.value_or(own);
     objective = to_string(request.objective);
     if (imported.triangles.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
+    if (!choice.fitted) return {};
     const Mesh mesh = narrowed(imported);
     return at_key(at, "spheres", [&] { return widened(cached_fit(mesh, request, *at.text("mesh")), mesh.origin); });
   }
@@ -311,12 +312,6 @@ std::string read_name(TomlReader& file) {
   std::string name = file.required("name", file.text("name"), "a name for tables");
   if (const std::string fault = name_fault(name); !fault.empty()) file.fail("name", fault);
   return name;
-}
-
-SceneName read_scene_name(const std::string& name_or_path) {
-  const std::string path = shipped_file(name_or_path, "library");
-  TomlReader file = TomlReader::open(path);
-  return {read_name(file), path, file.where("name")};
 }
 
 Scene load_scene(const std::string& name_or_path, const SphereChoice& choice) {

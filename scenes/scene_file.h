@@ -12,18 +12,13 @@ namespace penumbra {
 struct SphereChoice {
   std::optional<int> count;
   std::optional<Objective> objective;
+  bool fitted = true;  ///< false: a fit is left out, to look at all else of the scene
 };
 
 class TomlReader;
 
 /// Key `name` of a scene or suite file. Throws Error naming file, line and what is allowed.
 std::string read_name(TomlReader& file);
-
-/// What a scene file calls itself, without loading anything else of it.
-struct SceneName {
-  std::string name, file, where;  ///< where: "file:line" of the key
-};
-SceneName read_scene_name(const std::string& name_or_path);
 
 /// Loads a shipped scene by name or a file by path. Fits of spheres come from the cache where it holds them.
 /// Throws Error naming file, line, key and what is allowed.

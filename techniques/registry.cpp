@@ -30,6 +30,7 @@ const Entry& Registry::find(const std::string& name, const std::string& backend)
 }
 
 std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& parameters) {
+  if (!entry.unavailable.empty()) throw Unsupported(entry.title() + " cannot run: " + entry.unavailable);
   return entry.make(parameters.resolve(entry.parameters, entry.title()));
 }
 

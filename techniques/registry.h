@@ -27,6 +27,8 @@ struct Entry {
   /// Relative RMSE up to which a backend may differ from its scalar twin: rounding, and texels or rays that rounding
   /// moves across a silhouette.
   double parity = 1e-5;
+  /// Does the image depend on the scene's spheres? What does not is measured once, however many sets a suite asks for.
+  std::function<bool(const Parameters&)> reads_spheres = [](const Parameters&) { return true; };
   /// Receivers farther apart than this in their image do not affect each other; 0: each stands alone.
   int reach = 0;
   /// Empty if it can run here, else why not ("no CUDA device").
@@ -50,7 +52,8 @@ class Registry {
 /// Every technique of the project; CUDA variants if they are built in.
 Registry make_registry();
 
-/// Checked construction: resolves the parameters against the entry's declaration.
+/// Checked construction: resolves the parameters against the entry's declaration. Throws Unsupported, with the reason,
+/// if the entry is unavailable.
 std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& parameters);
 
 }  // namespace penumbra

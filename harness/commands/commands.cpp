@@ -104,7 +104,6 @@ void render(const RenderOptions& options) {
   const Entry& entry = registry.find(options.technique, options.backend);
   const auto technique = make_technique(entry, options.parameters);
   const Scene scene = load_scene(options.scene);
-  if (!entry.unavailable.empty()) throw Unsupported(entry.title() + " cannot run: " + entry.unavailable);
   if (!entry.lights.accepts(scene.light))
     throw Unsupported(entry.title() + " cannot shade the light of scene " + scene.name);
   const auto start = std::chrono::steady_clock::now();

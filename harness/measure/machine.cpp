@@ -6,9 +6,11 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <vector>
 
 #include "cuda/register_cuda.h"
 #include "scenes/assets.h"
+#include "scenes/cache.h"
 
 namespace penumbra {
 namespace {
@@ -27,6 +29,16 @@ std::string cpu_name() {
   for (std::string line; std::getline(file, line);)
     if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
   return "unknown";
+}
+
+/// SHA-1 of the running program: two builds of one commit are not the same if their sources or flags were not.
+std::string program_digest() {
+  std::ifstream file("/proc/self/exe", std::ios::binary);
+  ContentHash hash;
+  std::vector<char> block(1 << 20);
+  while (file.read(block.data(), std::streamsize(block.size())) || file.gcount() > 0)
+    hash.add(std::vector<char>(block.begin(), block.begin() + file.gcount()));
+  return hash.digest();
 }
 
 std::string instruction_sets() {
@@ -49,6 +61,7 @@ std::map<std::string, std::string> describe_machine() {
                   {"compiler", PENUMBRA_COMPILER},
                   {"flags", PENUMBRA_FLAGS},
                   {"build_type", PENUMBRA_BUILD_TYPE},
+                  {"program", program_digest()},
                   {"commit", commit.empty() ? "unknown" : commit},
                   {"dirty", output_of(git + "status --porcelain").empty() ? "false" : "true"},
                   {"cuda", cuda_status()}});

@@ -6,7 +6,7 @@
 
 namespace penumbra {
 
-/// cpu_name, instruction_sets, compiler, flags, build_type, commit, dirty, cuda and, with a device, cuda_...
+/// cpu_name, instruction_sets, compiler, flags, build_type, program, commit, dirty, cuda and, with a device, cuda_...
 std::map<std::string, std::string> describe_machine();
 
 }  // namespace penumbra

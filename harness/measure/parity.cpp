@@ -2,10 +2,23 @@
 #include <cmath>
 #include <limits>
 
-#include "harness/commands/run.h"
 #include "harness/measure/black_truth.h"
+#include "harness/measure/parity.h"
 
 namespace penumbra {
+
+namespace {
+
+/// A copy: receivers may be most of a scene.
+Scene without_receivers(const Scene& scene) {
+  Scene out;
+  out.name = scene.name, out.origin = scene.origin, out.mesh = scene.mesh;
+  out.spheres = scene.spheres, out.objective = scene.objective;
+  out.light = scene.light, out.motion = scene.motion, out.receiver_spec = scene.receiver_spec;
+  return out;
+}
+
+}  // namespace
 
 Scene thinned(const Scene& scene, int edge) {
   const Receivers& all = scene.receivers;
@@ -14,7 +27,7 @@ Scene thinned(const Scene& scene, int edge) {
   std::vector<std::size_t> which;
   for (int y = 0; y < all.height; y += step_y)
     for (int x = 0; x < all.width; x += step_x) which.push_back(std::size_t(y) * all.width + x);
-  Scene out = scene;
+  Scene out = without_receivers(scene);
   out.receivers = subset(all, which, (all.width + step_x - 1) / step_x, (all.height + step_y - 1) / step_y);
   return out;
 }

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "harness/measure/interrupt.h"
 #include "harness/results/metrics.h"
 #include "scenes/error.h"
 #include "techniques/bases/light_sampling.h"
@@ -83,7 +84,10 @@ class TruthSampler {
     const Receivers& r = frame_.receivers;
     const int groups = (r.size() + RayPacket::size - 1) / RayPacket::size;
     tbb::enumerable_thread_specific<std::array<LightSampler::Scratch, RayPacket::size>> scratches;
-    tbb::parallel_for(0, groups, [&](int group) { round_of_group(group, index, scratches.local().data()); });
+    tbb::parallel_for(0, groups, [&](int group) {
+      if (!interrupted()) round_of_group(group, index, scratches.local().data());
+    });
+    stop_if_interrupted();
     ++rounds_;
   }
 
@@ -162,7 +166,7 @@ void compute_13x13(const Frame& frame, Reference& out) {
   const Receivers& r = frame.receivers;
   out.rays_per_receiver = cells * cells;
   tbb::parallel_for(0, r.size(), [&](int i) {
-    if (!r.valid(i)) return;
+    if (!r.valid(i) || interrupted()) return;
     std::vector<LightSample> samples;
     dvec3 open(0.0);
     for (int cell = 0; cell < cells * cells; ++cell) {
@@ -180,7 +184,7 @@ void compute_texels(const Frame& frame, Rung rung, int n, Reference& out) {
   const Receivers& r = frame.receivers;
   out.rays_per_receiver = rung == Rung::cube ? 6 * n * n : 0;
   tbb::parallel_for(0, r.size(), [&](int i) {
-    if (!r.valid(i)) return;
+    if (!r.valid(i) || interrupted()) return;
     BitCube blocked(n);
     out.unshadowed.pixels[i] = pixel_sum(light, blocked, r.normal[i], r.albedo[i]);
     if (rung == Rung::cube) trace_texels(rays, r.ray_origin(i), r.normal[i], light.directions, true, blocked);
@@ -216,6 +220,7 @@ Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettin
   if (rung == Rung::truth) compute_truth(frame, settings, out);
   else if (rung == Rung::r13x13) compute_13x13(frame, out);
   else compute_texels(frame, rung, settings.resolution, out);
+  stop_if_interrupted();
   check_finite(out, frame.receivers);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;

@@ -43,7 +43,8 @@ std::string inapplicable(const Frame& frame, Rung rung);
 /// Throws Error naming the first receiver of a reference that is not finite.
 void check_finite(const Reference& reference, const Receivers& receivers);
 
-/// Computes a rung. Throws Unsupported where it does not apply, Error if it is not finite. Deterministic for any number
+/// Computes a rung. Throws Unsupported where it does not apply, Error if it is not finite, Interrupted if the run is to
+/// stop. Deterministic for any number
 /// of threads.
 Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings);
 

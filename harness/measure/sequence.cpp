@@ -7,23 +7,10 @@
 #include <cmath>
 
 #include "harness/measure/black_truth.h"
-#include "harness/measure/interrupt.h"
-#include "harness/measure/timing.h"
 #include "harness/results/pictures.h"
+#include "harness/results/statistics.h"
 
 namespace penumbra {
-namespace {
-
-/// Over the frames whose truth is not black; absent if all are.
-std::optional<double> mean_defined(const std::vector<std::optional<double>>& values) {
-  double sum = 0.0;
-  int count = 0;
-  for (const auto& value : values)
-    if (value) sum += *value, ++count;
-  return count ? std::optional(sum / count) : std::nullopt;
-}
-
-}  // namespace
 
 Sequence::Sequence(const Scene& scene, const ReferenceSettings& settings, const std::function<void(int frame)>& tick)
     : scene_(scene) {
@@ -32,7 +19,7 @@ Sequence::Sequence(const Scene& scene, const ReferenceSettings& settings, const 
   const SphereCarrier carrier =
       carried ? SphereCarrier(scene.mesh, scene.spheres, scene.motion.carry) : SphereCarrier();
   SphereSet moved = scene.spheres;
-  for (int f = 0; f < animation.frames() && !interrupted(); ++f) {
+  for (int f = 0; f < animation.frames(); ++f) {
     tick(f);
     const Frame frame = animation.frame(f);
     const Reference truth = cached_reference(frame, Rung::truth, settings);
@@ -65,41 +52,13 @@ SequenceErrors Sequence::score(Technique& technique, double exposure, const std:
     const double scale = rms(truth, valid_[f]);
     errors.rel_rmse.push_back(relative(rms(error, valid_[f]), scale, black_[f]));
     if (f > 0) errors.flicker.push_back(relative(rms(difference(error, before), valid_[f]), scale, black_[f]));
-    sheet[0].push_back(exposed(truth, exposure));
-    sheet[1].push_back(exposed(image, exposure));
-    sheet[2].push_back(signed_error(image, truth, exposure));
+    sheet[0].push_back(thumbnail(exposed(truth, exposure)));
+    sheet[1].push_back(thumbnail(exposed(image, exposure)));
+    sheet[2].push_back(thumbnail(signed_error(image, truth, exposure)));
     before = std::move(error);
   }
   if (!truth_.empty()) try_to_save([&] { save_png(sheet_file, contact_sheet(sheet)); });
   return errors;
-}
-
-std::string make_sequence_table(const std::vector<Row>& rows) {
-  const auto largest = [](const std::vector<std::optional<double>>& v) {  // an absent one is less than all others
-    return v.empty() ? std::nullopt : *std::max_element(v.begin(), v.end());
-  };
-  std::string text;
-  for (const Row& row : rows) {
-    if (!row.ok() || !row.sequence) continue;
-    if (text.empty())
-      text =
-          "\n## Over all frames\n\nRelative RMSE in percent against each frame's truth, over the frames whose truth is "
-          "not black; `flicker`: RMS of the change "
-          "of "
-          "error from frame to frame; `carry`: moving the spheres with the mesh, before any technique.\n\n"
-          "| scene | variant | spheres | frames | mean % | worst % | flicker % | truth's noise % | least surface "
-          "coverage % | carry ms | update ms | shade ms | frame ms "
-          "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-    const SequenceErrors& s = *row.sequence;
-    const double least = s.coverage.empty() ? 0.0 : *std::min_element(s.coverage.begin(), s.coverage.end());
-    text += fmt::format(
-        "| {} | {} | {} {} | {} | {} | {} | {} | {} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | **{:.3f}** "
-        "|\n",
-        row.scene, row.variant(), row.spheres, row.objective, s.rel_rmse.size(), percent_text(mean_defined(s.rel_rmse)),
-        percent_text(largest(s.rel_rmse)), percent_text(mean_defined(s.flicker)), percent_text(s.rel_noise),
-        100.0 * least, s.carry_ms, median(row.update_ms), median(row.shade_ms), row.median_frame_ms());
-  }
-  return text;
 }
 
 }  // namespace penumbra

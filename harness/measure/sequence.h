@@ -1,8 +1,11 @@
 // A technique over all frames of a motion: errors, flicker, coverage, and a contact sheet.
 #pragma once
 
+#include <functional>
+
 #include "harness/measure/reference.h"
 #include "harness/results/row.h"
+#include "techniques/technique.h"
 
 namespace penumbra {
 

@@ -49,6 +49,7 @@ void add_samples(const std::vector<Stage>& sums, double factor, std::vector<Stag
 }
 
 void run_repetition(benchmark::State& state, TimedItem& item, Animation& animation, std::vector<vec3>& image) {
+  Timing& timing = item.timing;
   const Scene& scene = animation.scene();
   double update = 0.0, shade = 0.0;
   std::vector<Stage> stages;
@@ -79,35 +80,35 @@ void run_repetition(benchmark::State& state, TimedItem& item, Animation& animati
     add_stages(item.technique->stages(), stages);
     state.SetIterationTime(1e-3 * (ms[0] + ms[1]));
   }
-  if (index != item.iterations) return;
+  if (index != timing.iterations) return;
   const double share = 1.0 / double(index);
-  item.update_ms.push_back(update * share);
-  item.shade_ms.push_back(shade * share);
-  item.frame_ms.push_back((update + shade) * share);
-  add_samples(stages, share, item.stages);
+  timing.update_ms.push_back(update * share);
+  timing.shade_ms.push_back(shade * share);
+  timing.frame_ms.push_back((update + shade) * share);
+  add_samples(stages, share, timing.stages);
 }
 
 }  // namespace
 
-void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitions, const std::function<void()>& tick) {
+void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitions, const TimingEvents& events) {
   if (items.empty()) return;
   initialise_once();
   benchmark::ClearRegisteredBenchmarks();
   std::vector<std::unique_ptr<Animation>> animations;  // each item sees its own sequence of frames
-  std::vector<std::vector<vec3>> images;
-  images.reserve(items.size());
+  std::vector<vec3> image(std::size_t(scene.receivers.size()));
   for (TimedItem& item : items) {
-    item.iterations = std::clamp(long(std::ceil(30.0 / std::max(item.estimate_ms, 1e-3))), 1L, 1000L);
+    item.timing.iterations = std::clamp(long(std::ceil(30.0 / std::max(item.estimate_ms, 1e-3))), 1L, 1000L);
     Animation& animation = *animations.emplace_back(std::make_unique<Animation>(scene));
-    auto& image = images.emplace_back(std::size_t(scene.receivers.size()));
-    benchmark::RegisterBenchmark(item.name.c_str(),
-                                 [&item, &animation, &image, &tick](benchmark::State& state) {
-                                   tick();
-                                   run_repetition(state, item, animation, image);
-                                 })
+    const auto repetition = [&, repetitions](benchmark::State& state) {
+      events.repetition();
+      const bool over = !item.failure.empty();
+      run_repetition(state, item, animation, image);
+      if (!over && (!item.failure.empty() || int(item.timing.frame_ms.size()) == repetitions)) events.finished(item);
+    };
+    benchmark::RegisterBenchmark(item.name.c_str(), repetition)
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond)
-        ->Iterations(item.iterations)
+        ->Iterations(item.timing.iterations)
         ->Repetitions(repetitions);
   }
   SilentReporter reporter;
@@ -130,14 +131,9 @@ nlohmann::json machine_context() {
   json.erase("executable");
   json.erase("library_build_type");  // of Google Benchmark, not of what is measured
   for (const auto& [key, value] : describe_machine()) json[key] = value;
+  const auto& load = json["load_avg"];
+  json["busy"] = !load.empty() && load[0].get<double>() > json["num_cpus"].get<double>();
   return json;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 }  // namespace penumbra

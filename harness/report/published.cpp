@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "harness/report/row_text.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
 
@@ -60,6 +61,7 @@ PublishedTable PublishedTable::load(const std::string& name) {
     throw Error("{}: the last column must be fps", file.path);
   PublishedTable table;
   table.title_ = file.title;
+  table.keys_.assign(file.columns.begin(), file.columns.end() - 2);
   for (const CsvFile::Line& line : file.lines) {
     Line entry;
     for (std::size_t k = 0; k + 2 < line.cells.size(); ++k) entry.keys[file.columns[k]] = line.cells[k];
@@ -72,13 +74,22 @@ PublishedTable PublishedTable::load(const std::string& name) {
   return table;
 }
 
+namespace {
+
+/// A row's value of a key column: "spheres", or a parameter; empty if it has none of that name.
+std::string value_of(const RowIdentity& id, const std::string& key) {
+  if (key == "spheres") return spheres_text(id).empty() ? "" : std::to_string(id.spheres);
+  const auto at = id.parameters.all().find(key);
+  return at == id.parameters.all().end() ? "" : to_string(at->second);
+}
+
+}  // namespace
+
 std::map<std::string, double> PublishedTable::lookup(const Row& row) const {
   std::map<std::string, double> found;
   for (const Line& line : lines_) {
     const bool same = std::all_of(line.keys.begin(), line.keys.end(), [&](const auto& key) {
-      if (key.first == "spheres") return std::to_string(row.spheres) == key.second;
-      const auto at = row.parameters.all().find(key.first);
-      return at != row.parameters.all().end() && to_string(at->second) == key.second;
+      return key.second.empty() || value_of(row.id, key.first) == key.second;
     });
     if (same) found[line.device] = line.fps;
   }
@@ -86,23 +97,24 @@ std::map<std::string, double> PublishedTable::lookup(const Row& row) const {
 }
 
 std::string make_published_table(const PublishedTable& table, const std::vector<Row>& rows) {
-  std::string text = fmt::format(
-      "\n## Beside the published figures\n\n{}\n\n| scene | variant | spheres | terms | fps |", table.title());
+  std::string text = fmt::format("\n## Beside the published figures\n\n{}\n\n| scene | technique | backend | threads |",
+                                 table.title());
+  for (const std::string& key : table.keys()) text += fmt::format(" {} |", key);
+  text += " fps |";
   for (const std::string& device : table.devices()) text += fmt::format(" published {0} | x {0} |", device);
-  text += " spheres % | cube % | truth % |\n|---|---|---|---|---|";
-  for (std::size_t k = 0; k < 2 * table.devices().size() + 3; ++k) text += "---|";
+  text += " spheres % | cube % | truth % |\n|";
+  for (std::size_t k = 0; k < table.keys().size() + 2 * table.devices().size() + 8; ++k) text += "---|";
   text += "\n";
   for (const Row& row : rows) {
     const auto published = row.ok() ? table.lookup(row) : std::map<std::string, double>();
     if (published.empty()) continue;
-    const double fps = 1e3 / row.median_frame_ms();
-    const auto& parameters = row.parameters.all();
-    const std::string level = parameters.contains("level") ? " level " + to_string(parameters.at("level")) : "";
-    text += fmt::format("| {} | {} {}{}, {} threads | {} | {} | **{:.1f}** |", row.scene, row.technique, row.backend,
-                        level, row.threads, row.spheres, to_string(parameters.at("terms")), fps);
+    const double fps = 1e3 / row.timing.median_frame_ms();
+    text += fmt::format("| {} | {} | {} | {} |", row.id.scene, row.id.technique, row.id.backend, row.id.threads);
+    for (const std::string& key : table.keys()) text += fmt::format(" {} |", value_of(row.id, key));
+    text += fmt::format(" **{:.1f}** |", fps);
     for (const std::string& device : table.devices()) {
       const auto at = published.find(device);
-      text += at == published.end() ? " | |" : fmt::format(" {} | {:.1f} |", at->second, fps / at->second);
+      text += at == published.end() ? " | |" : fmt::format(" {} | {:.3g} |", at->second, fps / at->second);
     }
     text +=
         fmt::format(" {} | {} | {} |\n", rung_text(row, "spheres"), rung_text(row, "cube"), rung_text(row, "truth"));

@@ -26,7 +26,7 @@ CsvFile load_published_csv(const std::string& name);
 
 /// A table of results/published: lines of "# comment", one of column names, then values. The last column is the
 /// published frames per second, the one before it names the device; all others are matched against a row's parameters
-/// (and "spheres") of the same name.
+/// (and "spheres") of the same name; an empty cell is matched by any row.
 class PublishedTable {
  public:
   /// Name as in results/published/NAME.csv. Throws Error if it is missing or malformed.
@@ -35,6 +35,7 @@ class PublishedTable {
   /// Published frames per second by device for a row; empty if nothing matches.
   std::map<std::string, double> lookup(const Row& row) const;
   const std::vector<std::string>& devices() const { return devices_; }
+  const std::vector<std::string>& keys() const { return keys_; }
   const std::string& title() const { return title_; }
 
  private:
@@ -45,7 +46,7 @@ class PublishedTable {
   };
   std::string title_;
   std::vector<Line> lines_;
-  std::vector<std::string> devices_;
+  std::vector<std::string> keys_, devices_;
 };
 
 /// Markdown: our frames per second beside the published ones, with ratios and errors. Rows without a match are left

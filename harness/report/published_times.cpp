@@ -39,7 +39,7 @@ double published_ms(const Values& values, const PublishedTime& line, const Suite
 }
 
 double measured_ms(const Row& row, const PublishedTime& line) {
-  return line.stages.empty() ? row.median_frame_ms() : row.stages_ms(line.stages);
+  return line.stages.empty() ? row.timing.median_frame_ms() : row.timing.stages_ms(line.stages);
 }
 
 }  // namespace
@@ -69,13 +69,13 @@ std::string make_published_times_table(const Suite& suite, const std::vector<Row
   std::map<Key, First> firsts;
   for (const PublishedTime& line : suite.published_times)
     for (const Row& row : rows) {
-      if (!row.ok() || !std::regex_search(row.name(), std::regex(line.row))) continue;
+      if (!row.ok() || !std::regex_search(row.id.name(), std::regex(line.row))) continue;
       const double published = published_ms(values, line, suite), measured = measured_ms(row, line);
-      const std::string group = fmt::format("{} {}, {} threads", row.scene, row.backend, row.threads);
+      const std::string group = fmt::format("{} {}, {} threads", row.id.scene, row.id.backend, row.id.threads);
       const First& first =
           firsts.try_emplace({line.table, line.subject, group}, First{published, measured}).first->second;
       text += fmt::format("| {} | {} | {} | {} | {:.3f} | {}, {} | {} | {:.3f} | **{:.3f}** |\n", line.table,
-                          line.subject, line.variant, published, published / first.published, row.technique, group,
+                          line.subject, line.variant, published, published / first.published, row.id.technique, group,
                           line.stages.empty() ? "frame" : fmt::format("{}", fmt::join(line.stages, " + ")), measured,
                           measured / first.measured);
     }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/measure/suite.h"
 #include "harness/results/row.h"
 
 namespace penumbra {

@@ -32,21 +32,29 @@ Image signed_error(const Image& image, const Image& reference, double exposure) 
   return out;
 }
 
+Image thumbnail(const Image& image) {
+  constexpr int widest = 128;
+  const int step = std::max(1, (image.width + widest - 1) / widest);
+  Image small{(image.width + step - 1) / step, (image.height + step - 1) / step, {}};
+  for (int y = 0; y < image.height; y += step)
+    for (int x = 0; x < image.width; x += step) small.pixels.push_back(image.pixels[std::size_t(y) * image.width + x]);
+  return small;
+}
+
 Image contact_sheet(const std::vector<std::vector<Image>>& rows) {
   if (rows.empty() || rows[0].empty()) return {};
-  constexpr int gap = 2, widest = 128;
-  const int step = std::max(1, (rows[0][0].width + widest - 1) / widest);
-  const int width = (rows[0][0].width + step - 1) / step, height = (rows[0][0].height + step - 1) / step;
+  constexpr int gap = 2;
+  const Image first = thumbnail(rows[0][0]);
+  const int width = first.width, height = first.height;
   Image sheet{int(rows[0].size()) * (width + gap) - gap, int(rows.size()) * (height + gap) - gap, {}};
   sheet.pixels.assign(std::size_t(sheet.width) * sheet.height, vec3(1.0f));
   for (std::size_t r = 0; r < rows.size(); ++r)
-    for (std::size_t c = 0; c < rows[r].size(); ++c)
+    for (std::size_t c = 0; c < rows[r].size(); ++c) {
+      const Image panel = thumbnail(rows[r][c]);
       for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-          const Image& panel = rows[r][c];
-          const std::size_t at = (r * (height + gap) + y) * sheet.width + c * (width + gap) + x;
-          sheet.pixels[at] = panel.pixels[std::size_t(y * step) * panel.width + x * step];
-        }
+        std::copy_n(panel.pixels.begin() + std::ptrdiff_t(y) * width, width,
+                    sheet.pixels.begin() + std::ptrdiff_t((r * (height + gap) + y) * sheet.width + c * (width + gap)));
+    }
   return sheet;
 }
 

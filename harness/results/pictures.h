@@ -15,8 +15,10 @@ Image exposed(const Image& image, double exposure);
 /// Red where the image is too bright (leak), blue where it is too dark; full colour at a quarter of white.
 Image signed_error(const Image& image, const Image& reference, double exposure);
 
-/// Equally large panels in rows, two pixels of white between; every `step`-th pixel is kept, so that a panel is at most
-/// 128 wide.
+/// Every step-th pixel, so that at most 128 are left in a row.
+Image thumbnail(const Image& image);
+
+/// Equally large panels in rows, two pixels of white between, each as its thumbnail.
 Image contact_sheet(const std::vector<std::vector<Image>>& rows);
 
 }  // namespace penumbra

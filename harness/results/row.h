@@ -1,19 +1,59 @@
-// Rows: what is known about one variant on one scene, and how it is written down.
+// A row: what is known about one variant on one scene. Plain data; knows neither techniques nor the registry.
 #pragma once
 
 #include <map>
-#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "harness/measure/suite.h"
-#include "harness/measure/timing.h"
 #include "harness/results/metrics.h"
+#include "techniques/parameters.h"
 
 namespace penumbra {
+
+/// What was measured.
+struct RowIdentity {
+  std::string scene;
+  std::size_t spheres = 0, receivers = 0;
+  std::string objective;      ///< that the spheres were fitted for; empty if they were given
+  bool reads_spheres = true;  ///< does the variant look at the spheres? If not, their number says nothing about the row
+  std::string technique, backend;
+  Parameters parameters, defaults;  ///< all of them, and what they are if nobody asks for anything else
+  int threads = 1;
+
+  std::string variant() const;  ///< technique, backend, parameters, threads
+  std::string name() const;     ///< unique within a run
+};
+
+/// A named sub-stage (Technique::stages): one mean per repetition.
+struct StageSamples {
+  std::string name;
+  std::vector<double> ms;
+};
+
+struct Timing {
+  double prepare_ms = 0.0;
+  long iterations = 0;                                ///< frames per repetition
+  std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
+  std::vector<StageSamples> stages;                   ///< of update and shade, in order of running
+  double view_ms = -1.0;  ///< camera rays that found the receivers, not part of the frame; -1: no camera
+
+  double median_frame_ms() const;
+  double frame_spread_ms() const;  ///< half the interquartile range of the repetitions
+  /// Sum of the medians of named stages; NaN if one of them is missing.
+  double stages_ms(const std::vector<std::string>& names) const;
+};
 
 struct RungErrors {
   ErrorReport report;
   double noise = 0.0;               ///< standard error of the rung, W m^-2 sr^-1
-  std::optional<double> rel_noise;  ///< the same over the rung's RMS: relative RMSEs below it are ties
+  std::optional<double> rel_noise;  ///< the same over the rung's RMS
+
+  /// Is the error what an exact image would have? Its expectation is the reference's own noise, so up to sqrt(2) of
+  /// that, the error has no more in it than the noise (they add in quadrature).
+  bool tie() const;
+  /// The relative RMSE up to which errors are ties; 0 if there is none.
+  double floor() const;
 };
 
 /// Errors over the frames of a motion, relative RMSE against each frame's truth; absent where that is black.
@@ -21,8 +61,12 @@ struct SequenceErrors {
   std::vector<std::optional<double>> rel_rmse;  ///< per frame
   std::vector<std::optional<double>> flicker;  ///< per pair of frames: RMS of the change of error, over the truth's RMS
   std::vector<double> coverage;     ///< per frame: share of the mesh's surface in its spheres; empty without spheres
-  std::optional<double> rel_noise;  ///< of the truth, mean over frames; flicker below sqrt(2) of it is noise
+  std::optional<double> rel_noise;  ///< of the truth, mean over frames
   double carry_ms = 0.0;            ///< moving the spheres with the mesh, mean over frames
+
+  /// Up to these, errors and flicker are ties: sqrt(2) of the noise, and of the noise of a difference of two frames.
+  double floor() const;
+  double flicker_floor() const;
 };
 
 /// What one approximation of a technique adds to its error against rung `spheres` (Technique::approximations).
@@ -32,81 +76,37 @@ struct StepError {
   double share = 0.0;     ///< of the whole error: the step's projection onto it; shares add up to 1
 };
 
-struct Row {
-  std::string scene, scene_key;  ///< key: hash of all that the scene's truth depends on, plus its spheres
-  std::size_t spheres = 0, receivers = 0;
-  std::string objective;  ///< that the spheres were fitted for; empty if they were given
-  std::string technique, backend, instruction_set;
-  Parameters parameters;
-  int threads = 1;
-  std::string status = "ok";  ///< "ok", "failed: why", "skipped: why"
-  double prepare_ms = 0.0;
-  long iterations = 0;
-  std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
-  std::vector<StageSamples> stages;                   ///< of update and shade, in order of running
-  double view_ms = -1.0;  ///< camera rays that found the receivers, not part of the frame; -1: no camera
-  Footprint bytes;
+struct Score {
   double parity = -1.0;                      ///< parity_with_scalar(); -1: is scalar
   std::map<std::string, RungErrors> errors;  ///< by rung
   std::optional<double> geometry;  ///< relative RMSE from rung cube to rung spheres; absent: no such rungs, or black
-  std::optional<SequenceErrors> sequence;       ///< where the suite asks for it
-  std::vector<StepError> steps;                 ///< where the suite asks for attribution and the technique knows
-  std::map<std::string, std::size_t> counters;  ///< Technique::counters() after the scored frame
+  std::optional<SequenceErrors> sequence;  ///< where the suite asks for it
+  std::vector<StepError> steps;            ///< where the suite asks for attribution and the technique knows
 
-  bool ok() const { return status == "ok"; }
-  std::string variant() const;  ///< technique, backend, parameters, threads
-  std::string name() const;     ///< unique within a run
-  double median_frame_ms() const;
-  /// Sum of the medians of named stages; NaN if one of them is missing.
-  double stages_ms(const std::vector<std::string>& names) const;
   std::optional<double> truth_error() const;  ///< relative RMSE against truth; absent if there is none or it is black
 };
 
-/// Google Benchmark's format: {"context": {...}, "benchmarks": [row, ...]}; our fields stand beside its own.
-nlohmann::json to_json(const Row& row);
-Row row_from_json(const nlohmann::json& json);
+struct Facts {
+  std::string scene_key;  ///< hash of all that the scene's truth depends on, plus its spheres
+  std::string key;  ///< hash of all that the row depends on but the program and the machine: see measurement_key()
+  std::string instruction_set;
+  struct Bytes {
+    std::size_t tables = 0, per_scene = 0, per_frame = 0;
+    std::size_t total() const { return tables + per_scene + per_frame; }
+  } bytes;                                      ///< Technique::footprint()
+  std::map<std::string, std::size_t> counters;  ///< Technique::counters() after the scored frame
+};
 
-/// Writes DIR/results.json atomically.
-void write_results(const std::string& directory, const nlohmann::json& context, const std::vector<Row>& rows);
-/// Rows of an earlier run; empty if there is none. Throws Error if the file is damaged.
-std::vector<Row> read_results(const std::string& directory);
+struct Row {
+  RowIdentity id;
+  Timing timing;
+  Score score;
+  Facts facts;
+  std::string status = "ok";  ///< "ok", "failed: why", "skipped: why"
 
-/// "name=value ..." of a row's parameters that differ among rows of its technique; the others would only widen a table.
-std::string telling_parameters(const Row& row, const std::vector<const Row*>& rows);
-
-/// A relative error in percent for tables; "undefined" where it is 0 / 0.
-std::string percent_text(const std::optional<double>& relative);
-/// The same of one rung of a row; "" if the row has not been compared with it.
-std::string rung_text(const Row& row, const std::string& rung);
-/// The same of Row::geometry; "" if the row lacks one of the rungs.
-std::string geometry_text(const Row& row);
-
-/// Markdown: per scene, rows by frame time and by error against truth; Pareto-optimal rows marked.
-std::string make_table(const std::vector<Row>& rows);
-
-/// Markdown: errors over a motion's frames; empty if no row has any.
-std::string make_sequence_table(const std::vector<Row>& rows);
-
-/// Markdown: what each approximation adds; empty if no row knows.
-std::string make_steps_table(const std::vector<Row>& rows);
-
-/// Markdown: times of the sub-stages; empty if no row has any.
-std::string make_stages_table(const std::vector<Row>& rows);
-
-/// Markdown: errors against the suite's baseline; empty if no row has been compared with it.
-std::string make_baseline_table(const std::string& baseline, const std::vector<Row>& rows);
-
-/// Markdown: per scene, the cheapest row of each technique under 1, 3 and 10 % of error against truth.
-std::string make_choice_table(const std::vector<Row>& rows);
-
-/// Markdown: rows whose counters are not zero; empty if there is none.
-std::string make_counters_table(const std::vector<Row>& rows);
-
-/// Rows of one scene that no other row beats in both frame time and error (ties in error within the noise count as
-/// equal). A row whose error is undefined neither is optimal nor beats another.
-std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows);
-
-/// Writes a text file beside its place and renames it.
-void write_atomically(const std::string& path, const std::string& text);
+  bool ok() const { return status == "ok"; }
+  bool failed() const { return status.starts_with("failed"); }
+  bool skipped() const { return status.starts_with("skipped"); }
+};
 
 }  // namespace penumbra

@@ -16,6 +16,7 @@ class VisibilitySource {
  public:
   /// "visibility", "resolution" and "bins", for the declarations of techniques.
   static std::vector<Parameter> parameters();
+  static bool reads_spheres(const Parameters& parameters) { return parameters.text("visibility") != "rays"; }
 
   /// Throws Error if the parameters exclude each other.
   VisibilitySource(const Parameters& parameters, const std::string& owner);

@@ -57,6 +57,7 @@ void register_pcss(Registry& registry) {
       entry.summary = member.summary;
       entry.citation = member.citation;
       entry.lights = {false, true};
+      entry.reads_spheres = [](const Parameters&) { return false; };
       entry.parameters = member.parameters;
       entry.make = simd ? member.simd : member.scalar;
       entry.reach = member.reach;

@@ -93,6 +93,7 @@ void register_pixel_basis(Registry& registry) {
     entry.summary = "sum over open texels of a 6 x n x n cube map";
     entry.citation = "Zhao & Che 2011, sections 3.3 and 5";
     entry.lights = {true, false};
+    entry.reads_spheres = VisibilitySource::reads_spheres;
     entry.parameters = VisibilitySource::parameters();
     if (simd) entry.make = [](const Parameters& p) { return std::make_unique<PixelBasisSimd>(p); };
     else entry.make = [](const Parameters& p) { return std::make_unique<PixelBasis>(p); };

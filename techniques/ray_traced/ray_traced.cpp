@@ -155,6 +155,7 @@ void register_ray_traced(Registry& registry) {
     entry.summary = "k shadow rays per receiver, importance-sampled by light x cosine";
     entry.citation = "Clarberg & Jarosz 2005; Keller & Heidrich 2001; Wald et al. 2014 (Embree)";
     entry.lights = {true, true};
+    entry.reads_spheres = [](const Parameters& p) { return p.text("occluder") == "spheres"; };
     entry.parameters = {
         integer_parameter("rays", 64, 1, 65536, "rays", "shadow rays per receiver"),
         integer_parameter("seed", 1, 0, 1 << 30, "", "same seed, same image"),

@@ -94,6 +94,7 @@ void register_sh_lighting(Registry& registry) {
     entry.summary = "light . precomputed diffuse transfer in spherical harmonics";
     entry.citation = "Green 2003; Sloan et al. 2002";
     entry.lights = {true, false};
+    entry.reads_spheres = [](const Parameters&) { return false; };
     entry.parameters = {
         choice_parameter(
             "transfer", {"shadowed", "unshadowed", "interreflected"},

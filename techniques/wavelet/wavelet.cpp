@@ -219,6 +219,7 @@ Entry make_entry(const std::string& name, Method method, bool simd) {
   entry.name = name;
   entry.backend = simd ? "simd" : "scalar";
   entry.lights = {true, false};
+  entry.reads_spheres = VisibilitySource::reads_spheres;
   entry.parameters = VisibilitySource::parameters();
   entry.parameters.push_back(
       choice_parameter("normals", {"exact", "table"}, "the receiver's normal, or the nearest of 6 x 8 x 8"));

@@ -5,7 +5,7 @@
 #include "cuda/haar.h"
 #include "cuda/host/registry.h"
 #include "cuda/register_cuda.h"
-#include "harness/commands/run.h"
+#include "harness/measure/parity.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"
 

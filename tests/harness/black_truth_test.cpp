@@ -1,6 +1,6 @@
 #include "harness/measure/black_truth.h"
 
-#include "harness/commands/run.h"
+#include "harness/measure/parity.h"
 #include "harness/measure/reference.h"
 #include "harness/results/metrics.h"
 #include "tests/support.h"

@@ -2,7 +2,7 @@
 // written to files elsewhere and in another unit, loaded, and shaded by the truth and by every technique.
 #include <fmt/format.h>
 
-#include "harness/commands/run.h"
+#include "harness/measure/parity.h"
 #include "harness/measure/reference.h"
 #include "harness/results/metrics.h"
 #include "scenes/assets.h"

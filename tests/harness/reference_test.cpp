@@ -2,7 +2,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "harness/commands/run.h"
+#include "harness/measure/parity.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"

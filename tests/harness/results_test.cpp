@@ -1,6 +1,12 @@
-#include "harness/results/row.h"
-
 #include "harness/measure/timing.h"
+#include "harness/report/row_text.h"
+#include "harness/report/tables.h"
+#include "harness/results/derived.h"
+#include "harness/results/provenance.h"
+#include "harness/results/results_folder.h"
+#include "harness/results/row_json.h"
+#include "harness/results/statistics.h"
+
 #include "tests/support.h"
 
 namespace penumbra {
@@ -8,25 +14,25 @@ namespace {
 
 Row row_with(const std::string& technique, double ms, double error, double noise = 0.0) {
   Row row;
-  row.scene = "s";
-  row.technique = technique;
-  row.backend = "simd";
-  row.parameters.set("rays", 16);
-  row.parameters.set("width", 0.5);
-  row.parameters.set("mode", std::string("fast"));
-  row.frame_ms = {ms, ms + 1, ms - 1};
-  row.update_ms = {0.5, 0.5, 0.5};
-  row.shade_ms = {ms - 0.5, ms + 0.5, ms - 1.5};
-  row.iterations = 7;
-  row.stages = {{"map", {1, 3, 2}}, {"filter", {4, 4, 5}}};
-  row.view_ms = 12.5;
-  row.bytes = {1, 2, 3};
-  row.errors["truth"].report.all.receivers = 5;
-  row.errors["truth"].report.all.rmse = error;
-  row.errors["truth"].report.all.rel_rmse = error;
-  row.errors["truth"].report.all.ssim = 0.9;
-  row.errors["truth"].report.region[1].receivers = 5;
-  row.errors["truth"].rel_noise = noise;
+  row.id.scene = "s";
+  row.id.technique = technique;
+  row.id.backend = "simd";
+  row.id.parameters.set("rays", 16);
+  row.id.parameters.set("width", 0.5);
+  row.id.parameters.set("mode", std::string("fast"));
+  row.timing.frame_ms = {ms, ms + 1, ms - 1};
+  row.timing.update_ms = {0.5, 0.5, 0.5};
+  row.timing.shade_ms = {ms - 0.5, ms + 0.5, ms - 1.5};
+  row.timing.iterations = 7;
+  row.timing.stages = {{"map", {1, 3, 2}}, {"filter", {4, 4, 5}}};
+  row.timing.view_ms = 12.5;
+  row.facts.bytes = {1, 2, 3};
+  row.score.errors["truth"].report.all.receivers = 5;
+  row.score.errors["truth"].report.all.rmse = error;
+  row.score.errors["truth"].report.all.rel_rmse = error;
+  row.score.errors["truth"].report.all.ssim = 0.9;
+  row.score.errors["truth"].report.region[1].receivers = 5;
+  row.score.errors["truth"].rel_noise = noise;
   return row;
 }
 
@@ -34,8 +40,8 @@ TEST(Results, RowsRoundTripThroughJson) {
   const Row row = row_with("a", 10, 0.1, 0.01);
   const Row back = row_from_json(nlohmann::json::parse(to_json(row).dump()));
   EXPECT_EQ(to_json(back), to_json(row));
-  EXPECT_EQ(back.name(), row.name());
-  EXPECT_EQ(back.parameters.all(), row.parameters.all());
+  EXPECT_EQ(back.id.name(), row.id.name());
+  EXPECT_EQ(back.id.parameters.all(), row.id.parameters.all());
 }
 
 TEST(Results, RowsHaveTheAgreedFieldsAndGoogleBenchmarks) {
@@ -55,13 +61,13 @@ TEST(Results, StagesKeepTheirOrderAndAddUp) {
   const auto json = to_json(row);
   EXPECT_EQ(json["stages"][0]["name"], "map");
   EXPECT_EQ(json["stages"][1]["ms"], 4);
-  EXPECT_EQ(row.stages_ms({"filter", "map"}), 6);
-  EXPECT_TRUE(std::isnan(row.stages_ms({"map", "blur"}))) << "a stage that is not there is not 0 ms";
+  EXPECT_EQ(row.timing.stages_ms({"filter", "map"}), 6);
+  EXPECT_TRUE(std::isnan(row.timing.stages_ms({"map", "blur"}))) << "a stage that is not there is not 0 ms";
   const std::string text = make_stages_table({row});
   EXPECT_NE(text.find("| view | frame | map | filter |"), std::string::npos) << text;
   EXPECT_NE(text.find("| 12.50 | 10.00 | 2.00 | 4.00 |"), std::string::npos) << text;
   Row none = row;
-  none.stages.clear();
+  none.timing.stages.clear();
   EXPECT_EQ(make_stages_table({none}), "");
 }
 
@@ -99,17 +105,17 @@ TEST(Results, DifferencesBelowTheNoiseAreTies) {
 /// As on a black truth: an error, but nothing that it is relative to.
 Row undefined_row(const std::string& technique, double ms, double rmse) {
   Row row = row_with(technique, ms, 0.0);
-  Errors& all = row.errors["truth"].report.all;
+  Errors& all = row.score.errors["truth"].report.all;
   all = {};
   all.receivers = 576, all.rmse = rmse;
-  row.errors["truth"].rel_noise.reset();
-  row.errors["cube"] = row.errors["spheres"] = row.errors["truth"];
+  row.score.errors["truth"].rel_noise.reset();
+  row.score.errors["cube"] = row.score.errors["spheres"] = row.score.errors["truth"];
   return row;
 }
 
 TEST(Results, UndefinedErrorsAreNeitherZeroNorBest) {
   const Row fast = undefined_row("fast", 1, 0.0027), slow = undefined_row("slow", 2, 0.0);
-  EXPECT_FALSE(fast.truth_error());
+  EXPECT_FALSE(fast.score.truth_error());
   EXPECT_EQ(pareto_optimal({&fast, &slow}), (std::vector<bool>{false, false}));
   const std::string text = make_table({fast, slow});
   EXPECT_NE(text.find("undefined (RMSE 0.0027) | undefined (RMSE 0.0027) | undefined (RMSE 0.0027) | undefined |"),
@@ -125,9 +131,114 @@ TEST(Results, UndefinedErrorsAreNeitherZeroNorBest) {
   EXPECT_EQ(choice.find(" ms"), std::string::npos) << choice;
   EXPECT_NE(make_baseline_table("cube", {fast}).find("| undefined |"), std::string::npos);
   Row with_steps = fast;
-  with_steps.steps = {{"light", 0.02, 1.0}};
+  with_steps.score.steps = {{"light", 0.02, 1.0}};
   EXPECT_NE(make_steps_table({with_steps}).find("| undefined | light 2 (100) | undefined | undefined |"),
             std::string::npos);
+}
+
+TEST(Results, AnExactImageIsATieAndOneThatIsWorseIsNot) {
+  // An exact image differs from a truth of noise s by s, not by less.
+  for (const double ratio : {0.5, 1.0, 1.4})
+    EXPECT_TRUE(row_with("a", 1, 0.01 * ratio, 0.01).score.errors["truth"].tie());
+  EXPECT_FALSE(row_with("a", 1, 0.0143, 0.01).score.errors["truth"].tie());
+  EXPECT_FALSE(row_with("a", 1, 0.0, 0.0).score.errors["truth"].tie()) << "without noise there is nothing to hide in";
+  EXPECT_NEAR(row_with("a", 1, 0.0, 0.01).score.errors["truth"].floor(), 0.0141421, 1e-7);
+  SequenceErrors sequence;
+  sequence.rel_noise = 0.01;
+  EXPECT_NEAR(sequence.floor(), 0.0141421, 1e-7);
+  EXPECT_NEAR(sequence.flicker_floor(), 0.02, 1e-9) << "two frames' noise is in a difference";
+  EXPECT_TRUE(to_json(row_with("a", 1, 0.012, 0.01))["errors"]["truth"]["tie"]);
+}
+
+TEST(Results, SpreadIsHalfTheInterquartileRange) {
+  EXPECT_EQ(spread({1, 2, 3, 4, 100}), 1.0);
+  EXPECT_EQ(spread({5, 1, 3}), 1.0);
+  EXPECT_EQ(spread({7}), 0.0);
+  EXPECT_EQ(spread({}), 0.0);
+  Row row = row_with("a", 10, 0.1);
+  EXPECT_NE(make_table({row}).find("**10.000** ±0.5 |"), std::string::npos) << make_table({row});
+  EXPECT_EQ(to_json(row)["frame_spread_ms"], 0.5);
+}
+
+TEST(Results, TimesWithinTheirNoiseAreTies) {
+  const Row fast = row_with("fast", 10, 0.2), slow = row_with("slow", 10.9, 0.1),
+            slower = row_with("slower", 11.1, 0.1);
+  EXPECT_FALSE(faster(fast, slow)) << "9.5 to 10.5 and 10.4 to 11.4 overlap";
+  EXPECT_TRUE(faster(fast, slower));
+  EXPECT_FALSE(faster(slower, fast));
+  EXPECT_EQ(pareto_optimal({&fast, &slow}), (std::vector<bool>{false, true})) << "as fast, and nearer";
+  EXPECT_EQ(pareto_optimal({&fast, &slower}), (std::vector<bool>{true, true}));
+}
+
+TEST(Results, ParametersThatAreNotTheDefaultAreShown) {
+  Row row = row_with("a", 1, 0.1);
+  row.id.defaults = row.id.parameters;
+  EXPECT_EQ(telling_parameters(row, {&row}), "");
+  row.id.defaults.set("width", 0.25);
+  EXPECT_EQ(telling_parameters(row, {&row}), "width=0.5") << "though no other row has another width";
+  Row other = row;
+  other.id.parameters.set("rays", 64);
+  EXPECT_EQ(telling_parameters(row, {&row, &other}), "rays=16 width=0.5");
+  other.id.technique = "b";
+  EXPECT_EQ(telling_parameters(row, {&row, &other}), "width=0.5");
+}
+
+TEST(Results, SpheresThatDoNotMatterAreNotShown) {
+  Row row = row_with("a", 1, 0.1);
+  row.id.spheres = 77, row.id.objective = "cover";
+  EXPECT_NE(make_table({row}).find("| 77 cover |"), std::string::npos);
+  row.id.reads_spheres = false;
+  EXPECT_EQ(make_table({row}).find("77 cover"), std::string::npos);
+}
+
+TEST(Results, MergingReplacesByNameAndIsAssociative) {
+  const std::vector<Row> a = {row_with("x", 1, 0.1), row_with("y", 2, 0.1)}, b = {row_with("y", 3, 0.1)},
+                         c = {row_with("z", 4, 0.1), row_with("x", 5, 0.1)};
+  const auto text = [](const std::vector<Row>& rows) {
+    std::string all;
+    for (const Row& row : rows) all += to_json(row).dump();
+    return all;
+  };
+  EXPECT_EQ(text(merged(merged(a, b), c)), text(merged(a, merged(b, c))));
+  const std::vector<Row> all = merged(merged(a, b), c);
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[0].timing.frame_ms[0], 5) << "the later one";
+  EXPECT_EQ(all[1].timing.frame_ms[0], 3);
+}
+
+TEST(Provenance, RowsOfAnotherProgramOrMachineDoNotMix) {
+  const nlohmann::json now = machine_context();
+  nlohmann::json then = now;
+  then["load_avg"] = {9.0}, then["date"] = "yesterday", then["suite"] = "other";
+  EXPECT_EQ(difference(then, now), "") << "these may differ";
+  for (const char* field : {"commit", "dirty", "program", "cpu_name", "num_cpus", "instruction_sets", "compiler",
+                            "flags", "build_type", "cuda"}) {
+    nlohmann::json other = now;
+    other[field] = "else";
+    EXPECT_NE(difference(other, now).find(std::string(field) + " else then"), std::string::npos) << field;
+    other.erase(field);
+    EXPECT_NE(difference(other, now), "") << field << " is missing";
+  }
+}
+
+TEST(ResultsFolder, KeepsRowsInOrderAndOneWriter) {
+  const test::TemporaryFolder place;
+  const std::string path = place.path() + "/out";
+  ResultsFolder folder(path);
+  EXPECT_NE(test::error_of([&] { ResultsFolder second(path); }).find("another run is writing"), std::string::npos);
+  folder.begin({{"suite", "s"}}, {row_with("old", 1, 0.1), row_with("b", 1, 0.1)});
+  folder.expect({row_with("a", 1, 0.1).id.name(), row_with("b", 1, 0.1).id.name()});
+  folder.add(row_with("b", 7, 0.1));
+  folder.add(row_with("a", 8, 0.1));
+  ASSERT_EQ(folder.rows().size(), 2u);
+  EXPECT_EQ(folder.rows()[0].id.technique, "a") << "as expected, not as finished";
+  EXPECT_EQ(folder.save(), "");
+  EXPECT_EQ(read_results(path).rows.size(), 3u) << "what waits is still there";
+  EXPECT_EQ(folder.save(true), "");
+  const Results saved = read_results(path);
+  ASSERT_EQ(saved.rows.size(), 2u);
+  EXPECT_EQ(saved.rows[1].timing.frame_ms[0], 7);
+  EXPECT_EQ(saved.context["suite"], "s");
 }
 
 TEST(Results, UndefinedRowsNeitherBeatNorAreBeaten) {
@@ -147,25 +258,25 @@ TEST(Results, UndefinedErrorsAreNullInJsonAndReadBack) {
   EXPECT_TRUE(json["geometry_rel_rmse"].is_null());
   const Row back = row_from_json(json);
   EXPECT_EQ(to_json(back), to_json(row));
-  EXPECT_FALSE(back.truth_error() || back.geometry || back.errors.at("truth").report.all.psnr);
+  EXPECT_FALSE(back.score.truth_error() || back.score.geometry || back.score.errors.at("truth").report.all.psnr);
   Row equal = row_with("b", 1, 0.0);
-  equal.errors["truth"].report.all.psnr = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(std::isinf(*row_from_json(to_json(equal)).errors.at("truth").report.all.psnr));
+  equal.score.errors["truth"].report.all.psnr = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(std::isinf(*row_from_json(to_json(equal)).score.errors.at("truth").report.all.psnr));
 }
 
 TEST(Results, AStatusThatIsNoUtf8IsWritten) {
   const test::TemporaryFolder folder;
   Row row = row_with("a", 1, 0.1);
   row.status = "failed: \xff.exr: no such image file";
-  write_results(folder.path(), machine_context(), {row});
-  EXPECT_TRUE(read_results(folder.path())[0].status.ends_with(".exr: no such image file"));
+  write_results(folder.path(), {machine_context(), {row}});
+  EXPECT_TRUE(read_results(folder.path()).rows[0].status.ends_with(".exr: no such image file"));
 }
 
 TEST(Results, FilesAreReadBackAndDamageIsNoticed) {
   const test::TemporaryFolder folder;
-  EXPECT_TRUE(read_results(folder.path()).empty());
-  write_results(folder.path(), machine_context(), {row_with("a", 1, 0.1), row_with("b", 2, 0.2)});
-  EXPECT_EQ(read_results(folder.path()).size(), 2u);
+  EXPECT_TRUE(read_results(folder.path()).rows.empty());
+  write_results(folder.path(), {machine_context(), {row_with("a", 1, 0.1), row_with("b", 2, 0.2)}});
+  EXPECT_EQ(read_results(folder.path()).rows.size(), 2u);
   folder.write("results.json", "{");
   EXPECT_NE(test::error_of([&] { read_results(folder.path()); }).find("results.json"), std::string::npos);
 }
@@ -173,7 +284,7 @@ TEST(Results, FilesAreReadBackAndDamageIsNoticed) {
 TEST(Results, ContextSaysWhatWasMeasured) {
   const auto context = machine_context();
   for (const char* key : {"cpu_name", "num_cpus", "caches", "instruction_sets", "compiler", "flags", "commit", "dirty",
-                          "load_avg", "date"})
+                          "load_avg", "date", "program", "busy"})
     EXPECT_TRUE(context.contains(key)) << key;
   EXPECT_FALSE(context.contains("host_name"));
 }

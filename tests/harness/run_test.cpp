@@ -5,7 +5,8 @@
 
 #include "cuda/host/registry.h"
 #include "cuda/host/runtime_host.h"
-#include "harness/results/row.h"
+#include "harness/measure/parity.h"
+#include "harness/results/results_file.h"
 #include "scenes/error.h"
 #include "tests/support.h"
 
@@ -76,8 +77,8 @@ class Runs : public testing::Test {
   }
   std::string out() const { return folder_.path() + "/out"; }
   Row row(const std::string& technique, const std::string& backend = "scalar") const {
-    for (const Row& r : read_results(out()))
-      if (r.technique == technique && r.backend == backend) return r;
+    for (const Row& r : read_results(out()).rows)
+      if (r.id.technique == technique && r.id.backend == backend) return r;
     ADD_FAILURE() << "no row for " << technique;
     return {};
   }
@@ -91,13 +92,13 @@ TEST_F(Runs, GoodRowsAreMeasuredAndWritten) {
   EXPECT_EQ(run(suite_text({{"good", "scalar"}})), 0);
   const Row r = row("good");
   EXPECT_TRUE(r.ok());
-  EXPECT_EQ(r.frame_ms.size(), 2u) << "one sample per repetition";
-  EXPECT_GT(r.iterations, 0);
-  EXPECT_EQ(r.bytes.total(), 6u);
-  EXPECT_EQ(r.receivers, 256u);
-  EXPECT_TRUE(r.errors.contains("truth") && r.errors.contains("cube"));
-  EXPECT_FALSE(r.errors.contains("spheres")) << "the scene has none";
-  EXPECT_GT(r.errors.at("truth").report.all.mean_signed, 0.0) << "no shadow at all leaks light";
+  EXPECT_EQ(r.timing.frame_ms.size(), 2u) << "one sample per repetition";
+  EXPECT_GT(r.timing.iterations, 0);
+  EXPECT_EQ(r.facts.bytes.total(), 6u);
+  EXPECT_EQ(r.id.receivers, 256u);
+  EXPECT_TRUE(r.score.errors.contains("truth") && r.score.errors.contains("cube"));
+  EXPECT_FALSE(r.score.errors.contains("spheres")) << "the scene has none";
+  EXPECT_GT(r.score.errors.at("truth").report.all.mean_signed, 0.0) << "no shadow at all leaks light";
   for (const char* file : {"table.md", "images/tiny-0-spheres/truth.exr", "images/tiny-0-spheres/truth.png",
                            "images/tiny-0-spheres/good-scalar-threads-1.error.png"})
     EXPECT_TRUE(std::filesystem::exists(out() + "/" + file)) << file;
@@ -116,7 +117,7 @@ TEST_F(Runs, FailuresAreRowsAndTheRunGoesOn) {
   EXPECT_EQ(row("throws-later").status, "failed: tired");
   EXPECT_NE(row("nan").status.find("failed: receiver 0"), std::string::npos);
   EXPECT_NE(row("good", "simd").status.find("differs from its scalar twin"), std::string::npos);
-  EXPECT_TRUE(row("good", "simd").frame_ms.empty()) << "what is wrong is not timed";
+  EXPECT_TRUE(row("good", "simd").timing.frame_ms.empty()) << "what is wrong is not timed";
   EXPECT_EQ(row("unsupported").status, "skipped: not this scene");
   EXPECT_EQ(row("absent", "simd").status, "skipped: no device");
   EXPECT_TRUE(row("good").ok());
@@ -138,19 +139,19 @@ TEST_F(Runs, WithoutDeviceMemoryTheRowFailsAndTheCpuGoesOn) {
   EXPECT_EQ(run(suite), 0);
   const Row device = row("sh-lighting", "cuda");
   EXPECT_TRUE(device.ok());
-  EXPECT_LT(device.parity, 1e-3);
-  ASSERT_EQ(device.stages.size(), 3u);
-  EXPECT_EQ(device.stages[1].name, "kernels");
+  EXPECT_LT(device.score.parity, 1e-3);
+  ASSERT_EQ(device.timing.stages.size(), 3u);
+  EXPECT_EQ(device.timing.stages[1].name, "kernels");
 }
 
 TEST_F(Runs, ABaselineIsOneMoreReference) {
   const std::string head = "baseline = { name = \"good\", backend = \"scalar\" }\n";
   EXPECT_EQ(run(head + suite_text({{"good", "scalar"}})), 0);
-  EXPECT_EQ(row("good").errors.at("good").report.all.rmse, 0.0);
+  EXPECT_EQ(row("good").score.errors.at("good").report.all.rmse, 0.0);
   EXPECT_NE(table_.find("against the image of good"), std::string::npos);
   EXPECT_EQ(run("baseline = { name = \"throws\", backend = \"scalar\" }\n" + suite_text({{"good", "scalar"}})), 0)
       << "a baseline that fails is left out";
-  EXPECT_FALSE(row("good").errors.contains("throws"));
+  EXPECT_FALSE(row("good").score.errors.contains("throws"));
 }
 
 TEST_F(Runs, SkippedRowsAreNotFailures) {
@@ -159,26 +160,26 @@ TEST_F(Runs, SkippedRowsAreNotFailures) {
 
 TEST_F(Runs, ResumeKeepsGoodRowsAndMeasuresTheRest) {
   run(suite_text({{"good", "scalar"}, {"throws", "scalar"}}));
-  const auto before = row("good").frame_ms;
+  const auto before = row("good").timing.frame_ms;
   EXPECT_EQ(run(suite_text({{"good", "scalar"}, {"unsupported", "scalar"}}), true), 0);
-  EXPECT_EQ(row("good").frame_ms, before);
-  EXPECT_EQ(read_results(out()).size(), 2u);
+  EXPECT_EQ(row("good").timing.frame_ms, before);
+  EXPECT_EQ(read_results(out()).rows.size(), 2u);
 }
 
 TEST_F(Runs, ResumeMeasuresAnewWhenTheSceneChanged) {
   run(suite_text({{"good", "scalar"}}));
-  const std::string key = row("good").scene_key;
+  const std::string key = row("good").facts.scene_key;
   folder_.write("scene.toml",
                 "name = \"tiny\"\n[occluder]\nmesh = \"sphere\"\n[receivers]\nplane = { half_extent = 1.0, resolution "
                 "= 16, y = -1.0 }\n"
                 "[light]\nenvironment = \"constant\"\n");
   run(suite_text({{"good", "scalar"}}), true);
-  EXPECT_NE(row("good").scene_key, key);
+  EXPECT_NE(row("good").facts.scene_key, key);
 }
 
 TEST_F(Runs, FilterChoosesRows) {
   EXPECT_EQ(run(suite_text({{"good", "scalar"}, {"throws", "scalar"}}), false, "/good/"), 0);
-  EXPECT_EQ(read_results(out()).size(), 1u);
+  EXPECT_EQ(read_results(out()).rows.size(), 1u);
   EXPECT_NE(test::error_of([&] {
               run(suite_text({{"good", "scalar"}}), false, "zzz");
             }).find("leaves nothing"),
@@ -230,7 +231,7 @@ TEST_F(Runs, OnABlackTruthNothingIsBest) {
     const std::string notes = testing::internal::GetCapturedStderr();
     EXPECT_NE(notes.find("scene dark: the truth is black: no receiver gets light"), std::string::npos) << notes;
     for (const char* technique : {"good", "black"}) {
-      const Errors truth = row(technique).errors.at("truth").report.all;
+      const Errors truth = row(technique).score.errors.at("truth").report.all;
       EXPECT_FALSE(truth.rel_rmse || truth.psnr) << light;
       EXPECT_NEAR(truth.rmse, technique == std::string("good") ? 1.0 : 0.0, 1e-6);
     }
@@ -238,7 +239,7 @@ TEST_F(Runs, OnABlackTruthNothingIsBest) {
     for (const char* wrong : {"| P |", "(tie) |", " ms, ", "inf", "nan"})
       EXPECT_EQ(table_.find(wrong), std::string::npos) << wrong << " in " << table_;
     EXPECT_EQ(run(suite, true), 0) << "what is on disk reads back";
-    EXPECT_EQ(read_results(out()).size(), 2u);
+    EXPECT_EQ(read_results(out()).rows.size(), 2u);
   }
 }
 
@@ -266,7 +267,7 @@ TEST_F(Runs, ScenesOfOneNameAreRefusedBeforeAnythingIsMeasured) {
   EXPECT_NE(error.find("suite.toml:4: scene 'same' has 4 spheres"), std::string::npos) << error;
   EXPECT_EQ(run(suite_of({a, dash}, "good", "spheres = [2, 4]\nobjective = [\"cover\", \"shadow\"]\n")), 0)
       << "one scene with several sets of spheres";
-  EXPECT_EQ(read_results(out()).size(), 8u);
+  EXPECT_EQ(read_results(out()).rows.size(), 8u);
 }
 
 TEST_F(Runs, VariantsListedTwiceAreRefused) {
@@ -280,7 +281,7 @@ TEST_F(Runs, ImagesThatCannotBeWrittenCostNoRow) {
   std::ofstream(out() + "/images/tiny-0-spheres") << "in the way of the folder";
   EXPECT_EQ(run(suite_text({{"good", "scalar"}, {"spy", "scalar"}})), 0);
   EXPECT_TRUE(row("good").ok() && row("spy").ok());
-  EXPECT_EQ(row("good").frame_ms.size(), 2u);
+  EXPECT_EQ(row("good").timing.frame_ms.size(), 2u);
 }
 
 TEST_F(Runs, ResultsThatCannotBeWrittenAreStillPrinted) {
@@ -294,7 +295,7 @@ TEST_F(Runs, ASceneWithoutATruthFailsAndTheOthersAreMeasured) {
       "bright.toml",
       scene_named("bright", "area = { centre = [0, 3, 0], normal = [0, -1, 0], radius = 1, radiance = [1e29, 1, 1] }"));
   EXPECT_EQ(run(suite_of({bright, scene_})), 1);
-  const std::vector<Row> rows = read_results(out());
+  const std::vector<Row> rows = read_results(out()).rows;
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_TRUE(rows[0].status.starts_with("failed: truth: receiver 0")) << rows[0].status;
   EXPECT_TRUE(rows[1].ok());
@@ -313,7 +314,7 @@ TEST_F(Runs, AResumedRunKeepsWhatItHasNotReachedOnDisk) {
   for (const auto& saved : file["benchmarks"]) on_disk.insert(saved["scene"]);
   EXPECT_TRUE(on_disk.contains("a")) << "finished";
   EXPECT_TRUE(on_disk.contains("c")) << "not reached";
-  EXPECT_EQ(read_results(out()).size(), 3u);
+  EXPECT_EQ(read_results(out()).rows.size(), 3u);
 }
 
 TEST(Thinned, KeepsEveryStrideThReceiver) {

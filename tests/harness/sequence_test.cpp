@@ -1,5 +1,8 @@
 #include "harness/measure/sequence.h"
 
+#include "harness/report/tables.h"
+#include "harness/results/row_json.h"
+
 #include "tests/support.h"
 
 namespace penumbra {
@@ -53,24 +56,25 @@ TEST(Sequence, FlickerIsTheChangeOfError) {
   unsetenv("PENUMBRA_CACHE");
 
   Row row;
-  row.scene = "floating", row.technique = "blinking", row.backend = "scalar", row.sequence = loud, row.frame_ms = {1.0};
+  row.id.scene = "floating", row.id.technique = "blinking", row.id.backend = "scalar", row.score.sequence = loud,
+  row.timing.frame_ms = {1.0};
   EXPECT_NE(make_sequence_table({row}).find("| floating | blinking/scalar"), std::string::npos);
   EXPECT_EQ(make_sequence_table({Row{}}), "");
   const Row back = row_from_json(to_json(row));
-  ASSERT_TRUE(back.sequence);
-  EXPECT_EQ(back.sequence->flicker, loud.flicker);
+  ASSERT_TRUE(back.score.sequence);
+  EXPECT_EQ(back.score.sequence->flicker, loud.flicker);
 }
 
 TEST(Sequence, FramesInTheDarkDoNotCount) {
   Row row;
-  row.scene = "s", row.technique = "t", row.backend = "scalar", row.frame_ms = {1.0};
-  row.sequence = SequenceErrors{{0.02, std::nullopt, 0.04}, {std::nullopt, 0.01}, {}, std::nullopt, 0.0};
+  row.id.scene = "s", row.id.technique = "t", row.id.backend = "scalar", row.timing.frame_ms = {1.0};
+  row.score.sequence = SequenceErrors{{0.02, std::nullopt, 0.04}, {std::nullopt, 0.01}, {}, std::nullopt, 0.0};
   EXPECT_NE(make_sequence_table({row}).find("| 3 | 3 | 4 | 1 | undefined |"), std::string::npos)
       << make_sequence_table({row});
   const Row back = row_from_json(nlohmann::json::parse(to_json(row).dump()));
-  EXPECT_EQ(back.sequence->rel_rmse, row.sequence->rel_rmse);
-  EXPECT_FALSE(back.sequence->rel_noise);
-  row.sequence->rel_rmse = {std::nullopt, std::nullopt};
+  EXPECT_EQ(back.score.sequence->rel_rmse, row.score.sequence->rel_rmse);
+  EXPECT_FALSE(back.score.sequence->rel_noise);
+  row.score.sequence->rel_rmse = {std::nullopt, std::nullopt};
   EXPECT_NE(make_sequence_table({row}).find("| 2 | undefined | undefined | 1 |"), std::string::npos);
 }
 

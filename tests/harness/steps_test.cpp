@@ -1,5 +1,8 @@
 #include "harness/measure/steps.h"
 
+#include "harness/report/tables.h"
+#include "harness/results/row_json.h"
+
 #include "tests/support.h"
 
 namespace penumbra {
@@ -34,12 +37,12 @@ TEST(Steps, NothingToTellApart) {
 
 TEST(Steps, RowsCarryStepsAndCountersThroughJson) {
   Row row;
-  row.scene = "s", row.technique = "t", row.backend = "simd";
-  row.steps = {{"light", 0.02, 0.25}, {"visibility", 0.03, 0.75}};
-  row.counters = {{"clamped", 7}, {"non_finite", 0}};
+  row.id.scene = "s", row.id.technique = "t", row.id.backend = "simd";
+  row.score.steps = {{"light", 0.02, 0.25}, {"visibility", 0.03, 0.75}};
+  row.facts.counters = {{"clamped", 7}, {"non_finite", 0}};
   const Row back = row_from_json(nlohmann::json::parse(to_json(row).dump()));
   EXPECT_EQ(to_json(back), to_json(row));
-  EXPECT_EQ(back.steps[1].share, 0.75);
+  EXPECT_EQ(back.score.steps[1].share, 0.75);
   EXPECT_NE(make_steps_table({row}).find("light 2 (25), visibility 3 (75)"), std::string::npos);
   EXPECT_NE(make_counters_table({row}).find("7 clamped\n"), std::string::npos);
   EXPECT_EQ(make_counters_table({row}).find("non_finite"), std::string::npos);

@@ -1,6 +1,6 @@
 #include "scenes/names.h"
 
-#include "scenes/scene_file.h"
+#include "scenes/scene_outline.h"
 #include "tests/support.h"
 
 namespace penumbra {
@@ -22,7 +22,7 @@ TEST(Names, WhatLeavesTheFolderIsRefusedWithFileLineAndKey) {
     EXPECT_NE(error.find("s.toml:1: key 'name' is '"), std::string::npos) << name << ": " << error;
     EXPECT_NE(error.find("allowed are 1 to 200 bytes"), std::string::npos) << error;
     for (const char c : error) EXPECT_GE(static_cast<unsigned char>(c), 0x20) << "one line: " << error;
-    EXPECT_EQ(test::error_of([&] { read_scene_name(file); }), error) << "before anything else is loaded";
+    EXPECT_EQ(test::error_of([&] { read_outline(file); }), error) << "before anything else is loaded";
   }
 }
 

@@ -1,7 +1,7 @@
 // Logarithm and exponential against closed forms and the published table, and the technique's guards.
 #include "techniques/sh_exponentiation/exponential.h"
 
-#include "harness/commands/run.h"
+#include "harness/measure/parity.h"
 #include "scenes/scene_file.h"
 #include "techniques/bases/random.h"
 #include "techniques/bases/spherical_harmonics/basis.h"

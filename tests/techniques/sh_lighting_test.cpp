@@ -1,5 +1,5 @@
 // Diffuse transfer against closed forms.
-#include "harness/commands/run.h"
+#include "harness/measure/parity.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"
 

@@ -1,4 +1,4 @@
-#include "harness/commands/run.h"
+#include "harness/measure/parity.h"
 #include "scenes/scene_file.h"
 #include "techniques/bases/random.h"
 #include "techniques/wavelet/sparse_product.h"

@@ -1,0 +1,25 @@
+// Correctness before speed: one variant is shaded once, compared and scored.
+#pragma once
+
+#include "harness/measure/scene_context.h"
+
+namespace penumbra {
+
+/// A variant that has been looked at. Its row lacks the times of frames; one that failed or makes no sense on the scene
+/// says why in its row and has no technique.
+struct Checked {
+  Row row;
+  std::unique_ptr<Technique> technique;  ///< prepared, and has shaded
+  double estimate_ms = 1.0;              ///< of a frame
+  Image image;                           ///< of the scored frame
+};
+
+/// Nothing measured yet.
+Row empty_row(const Variant& variant, const SceneContext& context, const Plan& plan);
+
+/// Prepares (timed) and shades; refuses images that are not finite or differ from the scalar twin's; scores. Never
+/// throws for what the technique does. `sheet_file`: for the frames of a sequence.
+Checked check(const Variant& variant, const SceneContext& context, const Plan& plan, const Registry& registry,
+              const std::string& sheet_file);
+
+}  // namespace penumbra

@@ -1,0 +1,209 @@
+#include "harness/measure/execute.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "harness/measure/check.h"
+#include "harness/measure/interrupt.h"
+#include "harness/measure/scene_images.h"
+#include "harness/measure/timing.h"
+
+namespace penumbra {
+namespace {
+
+/// The jobs of one scene.
+class SceneJobs {
+ public:
+  SceneJobs(const Plan& plan, const PlannedScene& planned, const Registry& registry, ResultsFolder& folder,
+            Progress& progress)
+      : plan_(plan),
+        planned_(planned),
+        registry_(registry),
+        folder_(folder),
+        progress_(progress),
+        context_(load_scene(planned.listed, planned.choice), *plan.suite),
+        images_(*plan.suite, folder.directory() + "/images/" + context_.folder(), context_) {}
+
+  const SceneContext& context() const { return context_; }
+
+  /// Takes over what is finished; false if nothing else is left.
+  bool take_over(const std::vector<Row>& earlier, std::size_t& kept) {
+    std::vector<std::string> names;
+    for (const Job& job : planned_.jobs) {
+      if (job.kind != Job::Kind::measurement) continue;
+      const Row row = empty_row(variant(job), context_, plan_);
+      names.push_back(row.id.name());
+      const auto at = std::find_if(earlier.begin(), earlier.end(), [&](const Row& old) {
+        return old.ok() && old.facts.key == row.facts.key && old.id.name() == row.id.name();
+      });
+      if (at == earlier.end()) todo_.insert(job.variant);
+      else folder_.add(*at), ++kept;
+    }
+    folder_.expect(names);
+    return !todo_.empty();
+  }
+
+  void run() {
+    for (const Job& job : planned_.jobs) {
+      stop_if_interrupted();
+      do_job(job);
+    }
+    images_.save_overview();
+    time_checked();
+  }
+
+  /// All that is not finished has failed.
+  void fail(const std::string& why) {
+    for (const std::size_t k : todo_) {
+      Row row = empty_row(plan_.suite->variants[k], context_, plan_);
+      row.status = "failed: " + why;
+      folder_.add(row);
+    }
+  }
+
+ private:
+  const Variant& variant(const Job& job) const { return plan_.suite->variants[job.variant]; }
+
+  void do_job(const Job& job) {
+    switch (job.kind) {
+      case Job::Kind::fit:  // came with the scene
+        return;
+      case Job::Kind::reference:
+        progress_.step(job.key);
+        if (inapplicable(context_.frame(), job.rung).empty()) context_.add_reference(job.rung, job.resolution);
+        return;
+      case Job::Kind::baseline:
+        return add_baseline(job);
+      case Job::Kind::sequence:
+        progress_.step(job.key);
+        return context_.add_sequence(progress_);
+      case Job::Kind::measurement:
+        if (todo_.contains(job.variant)) check_variant(job);
+    }
+  }
+
+  void add_baseline(const Job& job) {
+    progress_.step(job.key);
+    const Variant& baseline = *plan_.suite->baseline;
+    try {
+      context_.add_baseline(baseline);
+    } catch (const std::exception& e) {
+      progress_.note(fmt::format("{}: no baseline {}: {}", context_.scene().name, baseline.entry->title(), e.what()));
+    }
+  }
+
+  void check_variant(const Job& job) {
+    if (!ready_) {
+      context_.finish_references(progress_);
+      images_.save_truth();
+      ready_ = true;
+    }
+    const Variant& v = variant(job);
+    progress_.step(context_.scene().name + ": checking " + v.label());
+    Checked c = check(v, context_, plan_, registry_, images_.sheet_file(v));
+    if (c.row.failed()) progress_.note(c.row.id.name() + ": " + c.row.status);
+    if (!c.row.ok()) return finish(job.variant, c.row);
+    images_.save(v, c.image);
+    c.image = {};
+    checked_.emplace_back(job.variant, std::move(c));
+  }
+
+  void finish(std::size_t variant, const Row& row) {
+    folder_.add(row);
+    todo_.erase(variant);
+  }
+
+  void time_checked() {
+    std::vector<TimedItem> items;
+    for (const auto& [variant, c] : checked_)
+      items.push_back({c.row.id.name(), c.technique.get(), c.row.id.threads, c.estimate_ms, c.row.timing, ""});
+    const auto finished = [&](const TimedItem& item) {
+      auto& [variant, c] = checked_[std::size_t(&item - items.data())];
+      c.row.timing = item.timing;
+      if (!item.failure.empty()) c.row.status = "failed: " + item.failure;
+      finish(variant, c.row);
+    };
+    time_items(items, context_.scene(), plan_.repetitions,
+               {[&] { progress_.step(context_.scene().name + ": timing"); }, finished});
+  }
+
+  const Plan& plan_;
+  const PlannedScene& planned_;
+  const Registry& registry_;
+  ResultsFolder& folder_;
+  Progress& progress_;
+  SceneContext context_;
+  SceneImages images_;
+  bool ready_ = false;                                    ///< are all references there?
+  std::set<std::size_t> todo_;                            ///< variants that have no row yet
+  std::vector<std::pair<std::size_t, Checked>> checked_;  ///< with their variants
+};
+
+int steps_of(const Plan& plan) {
+  std::size_t steps = 0;
+  for (const PlannedScene& scene : plan.scenes)
+    steps += scene.jobs.size() + scene.measurements() * std::size_t(plan.repetitions);
+  return int(steps);
+}
+
+/// Rows of a scene that could not even be loaded.
+void fail_scene(const Plan& plan, const PlannedScene& scene, const std::string& why, ResultsFolder& folder) {
+  for (const Job& job : scene.jobs) {
+    if (job.kind != Job::Kind::measurement) continue;
+    Row row;
+    row.id = identity_of(scene.outline, plan.suite->variants[job.variant]);
+    row.status = "failed: " + why;
+    folder.expect({row.id.name()});
+    folder.add(row);
+  }
+}
+
+/// Runs one scene unless another with as many fitted spheres had its turn. What is thrown for the scene as a whole is
+/// the failure of its rows.
+void run_scene(const Plan& plan, const PlannedScene& planned, const Registry& registry, const std::vector<Row>& earlier,
+               ResultsFolder& folder, Progress& progress, std::set<std::string>& seen, std::size_t& kept) {
+  std::optional<SceneJobs> jobs;
+  try {
+    progress.step(planned.jobs.front().key);
+    jobs.emplace(plan, planned, registry, folder, progress);
+    if (!seen.insert(jobs->context().folder()).second)
+      return progress.note(fmt::format("{}: a fit of {} spheres needs no more than {}, which are measured already",
+                                       planned.outline.name, planned.outline.spheres,
+                                       jobs->context().scene().spheres.size()));
+    if (jobs->take_over(earlier, kept)) jobs->run();
+  } catch (const std::exception& e) {
+    progress.note(fmt::format("scene {}: failed: {}", planned.outline.name, e.what()));
+    if (jobs) jobs->fail(e.what());
+    else fail_scene(plan, planned, e.what(), folder);
+  }
+}
+
+}  // namespace
+
+void check_scenes(const Plan& plan) {
+  std::set<std::string> files;
+  for (const PlannedScene& scene : plan.scenes)
+    if (files.insert(scene.outline.file).second)
+      load_scene(scene.listed, {scene.choice.count, scene.choice.objective, false});
+}
+
+std::size_t execute(const Plan& plan, const Registry& registry, const std::vector<Row>& earlier,
+                    ResultsFolder& folder) {
+  Progress progress(steps_of(plan));
+  std::set<std::string> seen;
+  std::size_t kept = 0;
+  try {
+    for (const PlannedScene& scene : plan.scenes) {
+      stop_if_interrupted();
+      run_scene(plan, scene, registry, earlier, folder, progress, seen, kept);
+      if (const std::string why = folder.save(); !why.empty())
+        progress.note(why + "; going on, the tables come at the end");
+    }
+  } catch (const Interrupted&) {  // what is finished is in the folder
+  }
+  return kept;
+}
+
+}  // namespace penumbra

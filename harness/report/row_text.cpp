@@ -1,0 +1,96 @@
+#include "harness/report/row_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "harness/results/statistics.h"
+
+namespace penumbra {
+
+std::string telling_parameters(const Row& row, const std::vector<const Row*>& rows) {
+  const auto value_in = [](const Parameters& parameters, const std::string& name) {
+    const auto at = parameters.all().find(name);
+    return at == parameters.all().end() ? nullptr : &at->second;
+  };
+  std::string text;
+  for (const auto& [name, value] : row.id.parameters.all()) {
+    const ParameterValue* fallback = value_in(row.id.defaults, name);
+    const bool telling = (fallback && *fallback != value) ||
+                         std::any_of(rows.begin(), rows.end(), [&, &key = name, &own = value](const Row* other) {
+                           const ParameterValue* theirs = value_in(other->id.parameters, key);
+                           return other->id.technique == row.id.technique && theirs && *theirs != own;
+                         });
+    if (telling) text += (text.empty() ? "" : " ") + name + "=" + to_string(value);
+  }
+  return text;
+}
+
+std::string spheres_text(const RowIdentity& id) {
+  if (!id.reads_spheres) return "";
+  return std::to_string(id.spheres) + (id.objective.empty() ? "" : " " + id.objective);
+}
+
+std::string milliseconds_text(const Timing& timing) {
+  return fmt::format("**{:.3f}** ±{:.2g}", timing.median_frame_ms(), timing.frame_spread_ms());
+}
+
+std::string percent_text(const std::optional<double>& relative) {
+  return relative ? fmt::format("{:.3g}", 100.0 * *relative) : "undefined";
+}
+
+std::string rung_text(const Row& row, const std::string& rung) {
+  const auto at = row.score.errors.find(rung);
+  return at == row.score.errors.end() ? "" : percent_text(at->second.report.all.rel_rmse);
+}
+
+namespace {
+
+std::string tie_text(double floor) {
+  return fmt::format("< {:.2g} (tie)", 100.0 * floor);
+}
+
+}  // namespace
+
+std::string mean_or_tie(const std::vector<std::optional<double>>& relative, double floor) {
+  const auto mean = mean_defined(relative);
+  return mean && *mean < floor ? tie_text(floor) : percent_text(mean);
+}
+
+std::string rung_or_tie(const Row& row, const std::string& rung) {
+  const auto at = row.score.errors.find(rung);
+  if (at == row.score.errors.end()) return "";
+  const Errors& e = at->second.report.all;
+  if (at->second.tie()) return tie_text(at->second.floor());
+  if (!e.rel_rmse && e.receivers > 0) return fmt::format("undefined (RMSE {:.3g})", e.rmse);
+  return percent_text(e.rel_rmse);
+}
+
+std::string geometry_text(const Row& row) {
+  const auto& errors = row.score.errors;
+  return errors.contains("cube") && errors.contains("spheres") ? percent_text(row.score.geometry) : "";
+}
+
+std::vector<const Row*> good_rows(const std::vector<Row>& rows, const std::string& scene) {
+  std::vector<const Row*> good;
+  for (const Row& row : rows)
+    if (row.ok() && row.id.scene == scene) good.push_back(&row);
+  return good;
+}
+
+void add_distinct(const std::string& value, std::vector<std::string>& all) {
+  if (std::find(all.begin(), all.end(), value) == all.end()) all.push_back(value);
+}
+
+std::vector<std::string> scenes_of(const std::vector<Row>& rows) {
+  std::vector<std::string> scenes;
+  for (const Row& row : rows) add_distinct(row.id.scene, scenes);
+  return scenes;
+}
+
+std::string variant_columns(const Row& row, const std::vector<const Row*>& rows) {
+  return fmt::format("{} | {} | {} | {}", row.id.technique, row.id.backend, telling_parameters(row, rows),
+                     row.id.threads);
+}
+
+}  // namespace penumbra

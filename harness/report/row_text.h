@@ -1,0 +1,43 @@
+// How figures of a row read in tables.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/results/row.h"
+
+namespace penumbra {
+
+/// "name=value ..." of a row's parameters that differ from their defaults or among rows of its technique; the others
+/// would only widen a table.
+std::string telling_parameters(const Row& row, const std::vector<const Row*>& rows);
+
+/// How many spheres and what they were fitted for; empty if the variant does not look at them.
+std::string spheres_text(const RowIdentity& id);
+
+/// "12.345 ±0.012": median and half the interquartile range.
+std::string milliseconds_text(const Timing& timing);
+
+/// A relative error in percent; "undefined" where it is 0 / 0.
+std::string percent_text(const std::optional<double>& relative);
+/// The same of one rung of a row; "" if the row has not been compared with it.
+std::string rung_text(const Row& row, const std::string& rung);
+/// The same, but an error that is noise is a tie, and an undefined one still has its size.
+std::string rung_or_tie(const Row& row, const std::string& rung);
+/// A mean over frames in percent, or a tie below the floor that noise sets.
+std::string mean_or_tie(const std::vector<std::optional<double>>& relative, double floor);
+/// The same as rung_text() of Score::geometry; "" if the row lacks one of the rungs.
+std::string geometry_text(const Row& row);
+
+/// Rows that were measured on a scene.
+std::vector<const Row*> good_rows(const std::vector<Row>& rows, const std::string& scene);
+/// Appends what is not there yet.
+void add_distinct(const std::string& value, std::vector<std::string>& all);
+
+/// In order of first appearance.
+std::vector<std::string> scenes_of(const std::vector<Row>& rows);
+
+/// Technique, backend, telling parameters and threads, in columns.
+std::string variant_columns(const Row& row, const std::vector<const Row*>& rows);
+
+}  // namespace penumbra

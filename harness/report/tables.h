@@ -1,0 +1,32 @@
+// The Markdown tables of finished rows. Each is empty where no row has anything to show in it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/results/row.h"
+
+namespace penumbra {
+
+/// Per scene, rows by frame time and by error against truth; Pareto-optimal rows are marked.
+std::string make_table(const std::vector<Row>& rows);
+
+/// Per scene, the cheapest row of each technique under 1, 3 and 10 % of error against truth.
+std::string make_choice_table(const std::vector<Row>& rows);
+
+/// Errors against a suite's baseline.
+std::string make_baseline_table(const std::string& baseline, const std::vector<Row>& rows);
+
+/// Times of the sub-stages.
+std::string make_stages_table(const std::vector<Row>& rows);
+
+/// Errors over a motion's frames.
+std::string make_sequence_table(const std::vector<Row>& rows);
+
+/// What each approximation adds.
+std::string make_steps_table(const std::vector<Row>& rows);
+
+/// Rows whose counters are not zero.
+std::string make_counters_table(const std::vector<Row>& rows);
+
+}  // namespace penumbra

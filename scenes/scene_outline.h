@@ -1,0 +1,20 @@
+// What a scene file says of itself, without loading or fitting anything: enough to plan a run.
+#pragma once
+
+#include "scenes/scene_file.h"
+
+namespace penumbra {
+
+struct SceneOutline {
+  std::string name, file, where;  ///< where: "file:line" of the name
+  std::size_t spheres = 0;        ///< that are given or asked for; a fit may need fewer
+  std::string objective;          ///< of a fit; empty if the spheres are given
+  bool environment = true;        ///< lit from all around, or by a lamp
+  bool fitted() const { return !objective.empty(); }
+};
+
+/// Of a shipped scene or a file. Only the keys it needs are checked. Throws Error naming file, line and what is
+/// allowed.
+SceneOutline read_outline(const std::string& name_or_path, const SphereChoice& choice = {});
+
+}  // namespace penumbra
