@@ -73,7 +73,7 @@ std::string reason_to_skip(const Entry& entry, const Light& light) {
 
 }  // namespace
 
-Row empty_row(const Variant& variant, const SceneContext& context, const Plan& plan) {
+Row empty_row(const Variant& variant, const SceneContext& context, const Suite& suite) {
   const Scene& scene = context.scene();
   SceneOutline as_loaded;  // a fit may need fewer spheres than were asked for
   as_loaded.name = scene.name, as_loaded.spheres = scene.spheres.size(), as_loaded.objective = scene.objective;
@@ -81,14 +81,14 @@ Row empty_row(const Variant& variant, const SceneContext& context, const Plan& p
   row.id = identity_of(as_loaded, variant);
   row.id.receivers = std::size_t(scene.receivers.size());
   row.facts.scene_key = context.key();
-  row.facts.key = measurement_key(context.key(), row.id, plan);
+  row.facts.key = measurement_key(context.key(), row.id, suite);
   return row;
 }
 
-Checked check(const Variant& variant, const SceneContext& context, const Plan& plan, const Registry& registry,
+Checked check(const Variant& variant, const SceneContext& context, const Suite& suite, const Registry& registry,
               const std::string& sheet_file) {
   Checked c;
-  c.row = empty_row(variant, context, plan);
+  c.row = empty_row(variant, context, suite);
   if (const std::string why = reason_to_skip(*variant.entry, context.scene().light); !why.empty()) {
     c.row.status = "skipped: " + why;
     return c;
@@ -100,7 +100,7 @@ Checked check(const Variant& variant, const SceneContext& context, const Plan& p
     collect_facts(*c.technique, c.row.facts);
     c.row.timing.view_ms = context.view_ms(variant.threads);
     check_parity(registry, variant, context.scene(), c.row);
-    score(context, variant, plan.suite->attribution, sheet_file, c);
+    score(context, variant, suite.attribution, sheet_file, c);
     return c;
   } catch (const Unsupported& e) {
     c.row.status = std::string("skipped: ") + e.what();

@@ -15,11 +15,11 @@ struct Checked {
 };
 
 /// Nothing measured yet.
-Row empty_row(const Variant& variant, const SceneContext& context, const Plan& plan);
+Row empty_row(const Variant& variant, const SceneContext& context, const Suite& suite);
 
 /// Prepares (timed) and shades; refuses images that are not finite or differ from the scalar twin's; scores. Never
 /// throws for what the technique does. `sheet_file`: for the frames of a sequence.
-Checked check(const Variant& variant, const SceneContext& context, const Plan& plan, const Registry& registry,
+Checked check(const Variant& variant, const SceneContext& context, const Suite& suite, const Registry& registry,
               const std::string& sheet_file);
 
 }  // namespace penumbra

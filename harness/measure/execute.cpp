@@ -33,10 +33,11 @@ class SceneJobs {
     std::vector<std::string> names;
     for (const Job& job : planned_.jobs) {
       if (job.kind != Job::Kind::measurement) continue;
-      const Row row = empty_row(variant(job), context_, plan_);
+      const Row row = empty_row(variant(job), context_, *plan_.suite);
       names.push_back(row.id.name());
       const auto at = std::find_if(earlier.begin(), earlier.end(), [&](const Row& old) {
-        return old.ok() && old.facts.key == row.facts.key && old.id.name() == row.id.name();
+        return old.ok() && old.facts.key == row.facts.key && old.id.name() == row.id.name() &&
+               int(old.timing.frame_ms.size()) >= plan_.repetitions;
       });
       if (at == earlier.end()) todo_.insert(job.variant);
       else folder_.add(*at), ++kept;
@@ -57,7 +58,7 @@ class SceneJobs {
   /// All that is not finished has failed.
   void fail(const std::string& why) {
     for (const std::size_t k : todo_) {
-      Row row = empty_row(plan_.suite->variants[k], context_, plan_);
+      Row row = empty_row(plan_.suite->variants[k], context_, *plan_.suite);
       row.status = "failed: " + why;
       folder_.add(row);
     }
@@ -102,7 +103,7 @@ class SceneJobs {
     }
     const Variant& v = variant(job);
     progress_.step(context_.scene().name + ": checking " + v.label());
-    Checked c = check(v, context_, plan_, registry_, images_.sheet_file(v));
+    Checked c = check(v, context_, *plan_.suite, registry_, images_.sheet_file(v));
     if (c.row.failed()) progress_.note(c.row.id.name() + ": " + c.row.status);
     if (!c.row.ok()) return finish(job.variant, c.row);
     images_.save(v, c.image);

@@ -10,7 +10,8 @@ namespace penumbra {
 /// Loads every scene of a plan once, without its fit, to find wrong input before anything is measured. Throws Error.
 void check_scenes(const Plan& plan);
 
-/// Does what is left to do: a row of `earlier` with the same name and key is taken over, and jobs that only such rows
+/// Does what is left to do: a row of `earlier` with the same name and key and at least as many repetitions is taken
+/// over, and jobs that only such rows
 /// need are not done. Rows join the folder as soon as they are finished. What goes wrong on one scene makes its rows
 /// fail, and the next scene is tried. Returns early when interrupted. Returns how many rows were taken over.
 std::size_t execute(const Plan& plan, const Registry& registry, const std::vector<Row>& earlier, ResultsFolder& folder);

@@ -152,12 +152,10 @@ Plan make_plan(const Suite& suite, const std::string& filter, int repetitions) {
   return plan;
 }
 
-std::string measurement_key(const std::string& scene_key, const RowIdentity& id, const Plan& plan) {
-  const Suite& suite = *plan.suite;
-  const std::string text =
-      fmt::format("{}|{}|{}|repetitions {}|noise {}|sequence {}|attribution {}|baseline {}", scene_key, id.name(),
-                  id.receivers, plan.repetitions, suite.truth_noise, suite.sequence, suite.attribution,
-                  suite.baseline ? suite.baseline->label() : "none");
+std::string measurement_key(const std::string& scene_key, const RowIdentity& id, const Suite& suite) {
+  const std::string text = fmt::format("{}|{}|{}|noise {}|sequence {}|attribution {}|baseline {}", scene_key, id.name(),
+                                       id.receivers, suite.truth_noise, suite.sequence, suite.attribution,
+                                       suite.baseline ? suite.baseline->label() : "none");
   ContentHash hash;
   hash.add(std::vector<char>(text.begin(), text.end()));
   return hash.digest();

@@ -51,6 +51,6 @@ int resolution_of(const Parameters& parameters);
 
 /// SHA-1 over all that a row depends on but the program and the machine: the content of its scene (`scene_key`), the
 /// variant, and what the suite wants to know of it.
-std::string measurement_key(const std::string& scene_key, const RowIdentity& id, const Plan& plan);
+std::string measurement_key(const std::string& scene_key, const RowIdentity& id, const Suite& suite);
 
 }  // namespace penumbra

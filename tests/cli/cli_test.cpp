@@ -190,7 +190,7 @@ TEST_F(CommandLine, InterruptedRunsKeepFinishedRowsAndResume) {
     _exit(99);
   }
   // The first scene's results appear, then the second one is under way: interrupt there.
-  for (int tries = 0; tries < 1200 && !std::filesystem::exists(out + "/table.md"); ++tries)
+  for (int tries = 0; tries < 1200 && !std::filesystem::exists(out + "/results.json"); ++tries)
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   kill(child, SIGINT);
   int status = 0;

@@ -1,12 +1,13 @@
 // A whole run with techniques that misbehave.
 #include "harness/commands/run.h"
 
+#include <csignal>
 #include <set>
 
 #include "cuda/host/registry.h"
 #include "cuda/host/runtime_host.h"
 #include "harness/measure/parity.h"
-#include "harness/results/results_file.h"
+#include "harness/results/results_folder.h"
 #include "scenes/error.h"
 #include "tests/support.h"
 
@@ -19,6 +20,7 @@ class Fake : public Technique {
   explicit Fake(std::string mode) : mode_(std::move(mode)) {}
   void prepare(const Scene&) override {
     if (mode_ == "spy") seen = test::read_text(watched);
+    if (mode_ == "signals" && --signals_at == 0) raise(SIGTERM);
     if (mode_ == "throws") throw std::runtime_error("out of ideas");
     if (mode_ == "unsupported") throw Unsupported("not this scene");
   }
@@ -30,6 +32,7 @@ class Fake : public Technique {
   }
   Footprint footprint() const override { return {1, 2, 3}; }
 
+  static inline int signals_at = 0;         ///< "signals": at which preparation from now on
   static inline std::string watched, seen;  ///< "spy": what the file held when the last scene was prepared
 
  private:
@@ -43,6 +46,22 @@ Entry fake(const std::string& name, const std::string& backend, const std::strin
   e.lights = {true, mode != "no-area"};
   e.make = [mode](const Parameters&) { return std::make_unique<Fake>(mode); };
   return e;
+}
+
+std::string scene_named(const std::string& name, const std::string& light, const std::string& spheres = "") {
+  return "name = \"" + name + "\"\n[occluder]\nmesh = \"box\"\n" + spheres +
+         "[receivers]\nplane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n[light]\n" + light + "\n";
+}
+
+constexpr const char* constant = "environment = \"constant\"";
+
+/// A suite of several scenes and one technique.
+std::string suite_of(const std::vector<std::string>& scenes, const std::string& technique = "good",
+                     const std::string& more = "") {
+  std::string list;
+  for (const std::string& scene : scenes) list += (list.empty() ? "\"" : ", \"") + scene + "\"";
+  return "name = \"t\"\nscenes = [" + list + "]\ntruth_noise = 0.05\n" + more + "[[technique]]\nname = \"" + technique +
+         "\"\nbackend = \"scalar\"\n";
 }
 
 class Runs : public testing::Test {
@@ -155,7 +174,25 @@ TEST_F(Runs, ABaselineIsOneMoreReference) {
 }
 
 TEST_F(Runs, SkippedRowsAreNotFailures) {
-  EXPECT_EQ(run(suite_text({{"unsupported", "scalar"}, {"absent", "simd"}})), 0);
+  EXPECT_EQ(run(suite_text({{"unsupported", "scalar"}, {"absent", "simd"}, {"good", "scalar"}})), 0);
+}
+
+TEST_F(Runs, ARunThatMeasuresNothingSaysSo) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run(suite_text({{"unsupported", "scalar"}, {"absent", "simd"}})), 1);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("every row was skipped: no device; not this scene"), std::string::npos) << said;
+}
+
+TEST_F(Runs, WhatCannotRunHereIsRefusedWithItsReason) {
+  EXPECT_NE(test::error_of([&] {
+              run(suite_text({{"absent", "simd"}}));
+            }).find("can run here: simd: no device"),
+            std::string::npos);
+  testing::internal::GetCapturedStdout();
+  EXPECT_FALSE(std::filesystem::exists(out()));
+  const Entry& absent = registry_.find("absent", "simd");
+  EXPECT_THROW(make_technique(absent, {}), Unsupported);
 }
 
 TEST_F(Runs, ResumeKeepsGoodRowsAndMeasuresTheRest) {
@@ -175,6 +212,100 @@ TEST_F(Runs, ResumeMeasuresAnewWhenTheSceneChanged) {
                 "[light]\nenvironment = \"constant\"\n");
   run(suite_text({{"good", "scalar"}}), true);
   EXPECT_NE(row("good").facts.scene_key, key);
+}
+
+/// Edits the context of what is on disk.
+void edit_context(const std::string& folder, const std::string& field, const nlohmann::json& value) {
+  Results results = read_results(folder);
+  results.context[field] = value;
+  write_results(folder, results);
+}
+
+TEST_F(Runs, ResumeKeepsNoRowOfAnotherProgramOrMachine) {
+  const std::string suite = suite_text({{"good", "scalar"}});
+  run(suite);
+  for (const auto& [field, value] : std::map<std::string, nlohmann::json>{{"commit", "0123"},
+                                                                          {"dirty", "maybe"},
+                                                                          {"cpu_name", "abacus"},
+                                                                          {"flags", "-O0"},
+                                                                          {"num_cpus", 999},
+                                                                          {"program", ""}}) {
+    const auto before = row("good").timing.frame_ms;
+    edit_context(out(), field, value);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(run(suite, true), 0);
+    testing::internal::GetCapturedStderr();
+    EXPECT_NE(row("good").timing.frame_ms, before) << field << " differs, and the row was kept";
+    const auto again = row("good").timing.frame_ms;
+    EXPECT_EQ(run(suite, true), 0);
+    EXPECT_EQ(row("good").timing.frame_ms, again) << "the new rows stand under the new context";
+  }
+}
+
+TEST_F(Runs, ResumeKeepsNoRowOfOtherThreadsOrSettings) {
+  const std::string suite = suite_text({{"good", "scalar"}});
+  run(suite);
+  Results results = read_results(out());
+  const auto before = results.rows[0].timing.frame_ms;
+  results.rows[0].id.threads = 7;
+  write_results(out(), results);
+  EXPECT_EQ(run(suite, true), 0);
+  ASSERT_EQ(read_results(out()).rows.size(), 1u);
+  EXPECT_EQ(row("good").id.threads, 1);
+  EXPECT_NE(row("good").timing.frame_ms, before);
+  const std::string key = row("good").facts.key;
+  EXPECT_EQ(run("attribution = true\n" + suite, true), 0);
+  EXPECT_NE(row("good").facts.key, key) << "a suite that asks for more measures again";
+}
+
+TEST_F(Runs, TwoRunsDoNotShareAFolder) {
+  std::filesystem::create_directories(out());
+  const ResultsFolder other(out());
+  EXPECT_NE(test::error_of([&] {
+              run(suite_text({{"good", "scalar"}}));
+            }).find("another run is writing"),
+            std::string::npos);
+  testing::internal::GetCapturedStdout();
+  EXPECT_FALSE(std::filesystem::exists(out() + "/results.json"));
+}
+
+TEST_F(Runs, InterruptsKeepWhatIsFinished) {
+  std::vector<std::string> files;
+  for (const char* name : {"a", "b", "c"})
+    files.push_back(folder_.write(std::string(name) + ".toml", scene_named(name, constant)));
+  registry_.add(fake("signals", "scalar", "signals"));
+  const std::string suite = suite_of(files, "signals");
+  Fake::signals_at = 2;  // while the second scene is prepared
+  EXPECT_EQ(run(suite), 130);
+  ASSERT_EQ(read_results(out()).rows.size(), 1u);
+  EXPECT_EQ(read_results(out()).rows[0].id.scene, "a");
+  const auto kept = read_results(out()).rows[0].timing.frame_ms;
+  EXPECT_EQ(run(suite, true), 0);
+  ASSERT_EQ(read_results(out()).rows.size(), 3u);
+  EXPECT_EQ(read_results(out()).rows[0].timing.frame_ms, kept);
+}
+
+TEST_F(Runs, OneSceneIsLoadedIfTheFilterLeavesOne) {
+  const std::string other =
+      folder_.write("other.toml",
+                    "name = \"other\"\n[occluder]\nmesh = \"missing.obj\"\n[receivers]\nplane = { half_extent = 1.0, "
+                    "resolution = 16 }\n[light]\nenvironment = \"constant\"\n");
+  EXPECT_EQ(run(suite_of({scene_, other}), false, "^tiny/"), 0) << "the other one is not even looked at";
+  EXPECT_NE(test::error_of([&] { run(suite_of({scene_, other})); }).find("missing.obj"), std::string::npos);
+  testing::internal::GetCapturedStdout();
+}
+
+TEST_F(Runs, WhatDoesNotReadSpheresIsMeasuredOnce) {
+  Entry blind = fake("blind", "scalar", "good");
+  blind.reads_spheres = [](const Parameters&) { return false; };
+  registry_.add(blind);
+  const std::string suite =
+      suite_of({scene_}, "blind", "spheres = [2, 4]\n") + "[[technique]]\nname = \"good\"\nbackend = \"scalar\"\n";
+  EXPECT_EQ(run(suite), 0);
+  EXPECT_EQ(read_results(out()).rows.size(), 3u);
+  EXPECT_FALSE(row("blind").id.reads_spheres);
+  EXPECT_EQ(run(suite, false, "spheres:4/.*blind"), 0) << "the first choice that the filter leaves";
+  EXPECT_EQ(row("blind").id.spheres, 4u);
 }
 
 TEST_F(Runs, FilterChoosesRows) {
@@ -199,22 +330,6 @@ TEST_F(Runs, WrongInputTouchesNothing) {
   EXPECT_NE(test::error_of([&] { run(suite_text({{"good", "scalar"}})); }), "");
   testing::internal::GetCapturedStdout();
   EXPECT_EQ(test::read_text(out() + "/results.json"), before);
-}
-
-std::string scene_named(const std::string& name, const std::string& light, const std::string& spheres = "") {
-  return "name = \"" + name + "\"\n[occluder]\nmesh = \"box\"\n" + spheres +
-         "[receivers]\nplane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n[light]\n" + light + "\n";
-}
-
-constexpr const char* constant = "environment = \"constant\"";
-
-/// A suite of several scenes and one technique.
-std::string suite_of(const std::vector<std::string>& scenes, const std::string& technique = "good",
-                     const std::string& more = "") {
-  std::string list;
-  for (const std::string& scene : scenes) list += (list.empty() ? "\"" : ", \"") + scene + "\"";
-  return "name = \"t\"\nscenes = [" + list + "]\ntruth_noise = 0.05\n" + more + "[[technique]]\nname = \"" + technique +
-         "\"\nbackend = \"scalar\"\n";
 }
 
 TEST_F(Runs, OnABlackTruthNothingIsBest) {
