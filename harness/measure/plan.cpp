@@ -8,6 +8,7 @@
 #include <regex>
 #include <set>
 
+#include "scenes/assets.h"
 #include "scenes/cache.h"
 #include "scenes/error.h"
 #include "scenes/names.h"
@@ -23,11 +24,24 @@ std::regex checked_regex(const std::string& text) {
   }
 }
 
+/// read_outline(); a scene that is not there is a mistake of the suite.
+SceneOutline outline_of(const Suite& suite, const std::string& listed, const SphereChoice& choice = {}) {
+  std::string file = listed;
+  try {
+    file = shipped_file(listed, "library");
+  } catch (const Error& e) {
+    throw Error("{}: key 'scenes': {}", suite.scenes_where, e.what());
+  }
+  if (!std::filesystem::is_regular_file(file))
+    throw Error("{}: key 'scenes': {} is no file; paths start at the suite's folder", suite.scenes_where, file);
+  return read_outline(file, choice);
+}
+
 /// Every scene once, and no two whose tables and image folders would be the same.
 void check_scene_names(const Suite& suite) {
   std::map<std::string, SceneOutline> seen;
   for (const std::string& listed : suite.scenes) {
-    const SceneOutline scene = read_outline(listed);
+    const SceneOutline scene = outline_of(suite, listed);
     const auto [at, fresh] = seen.try_emplace(file_name_key(scene.name), scene);
     if (fresh) continue;
     const SceneOutline& other = at->second;
@@ -129,7 +143,7 @@ Plan make_plan(const Suite& suite, const std::string& filter, int repetitions) {
   for (const std::string& listed : suite.scenes) {
     std::set<std::size_t> without_spheres;  // variants that do not look at them and have their turn
     for (const SphereChoice& choice : suite.spheres) {
-      PlannedScene scene{listed, choice, read_outline(listed, choice), {}};
+      PlannedScene scene{listed, choice, outline_of(suite, listed, choice), {}};
       const SceneOutline& o = scene.outline;
       if (!titles.insert(title_of(o)).second)
         throw Error("{}: scene '{}' has {} spheres{}{} twice; allowed are choices of spheres that differ",

@@ -48,10 +48,11 @@ std::vector<std::string> texts_of(TomlReader& at, const std::string& key) {
   return texts;
 }
 
-/// A scene's file beside the suite's, as scenes name their meshes; otherwise the name as it is.
+/// A scene's file starts at the suite's folder, as a scene names its mesh; what is no file there is a shipped name.
 std::string beside(const std::string& suite_file, const std::string& name) {
   const std::filesystem::path path = std::filesystem::path(suite_file).parent_path() / name;
-  return std::filesystem::is_regular_file(path) ? path.string() : name;
+  const bool is_path = name.ends_with(".toml") || name.find('/') != std::string::npos;
+  return is_path || std::filesystem::is_regular_file(path) ? path.string() : name;
 }
 
 std::vector<int> integers_of(TomlReader& at, const std::string& key, int low, int high) {

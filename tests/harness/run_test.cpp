@@ -1,111 +1,13 @@
 // A whole run with techniques that misbehave.
-#include "harness/commands/run.h"
-
-#include <csignal>
-#include <set>
-
 #include "cuda/host/registry.h"
 #include "cuda/host/runtime_host.h"
 #include "harness/measure/parity.h"
-#include "harness/results/results_folder.h"
-#include "scenes/error.h"
-#include "tests/support.h"
+#include "tests/harness/runs.h"
 
 namespace penumbra {
 namespace {
 
-/// Radiance 1 everywhere, or whatever the mode says.
-class Fake : public Technique {
- public:
-  explicit Fake(std::string mode) : mode_(std::move(mode)) {}
-  void prepare(const Scene&) override {
-    if (mode_ == "spy") seen = test::read_text(watched);
-    if (mode_ == "signals" && --signals_at == 0) raise(SIGTERM);
-    if (mode_ == "throws") throw std::runtime_error("out of ideas");
-    if (mode_ == "unsupported") throw Unsupported("not this scene");
-  }
-  void update(const Frame&) override { ++frames_; }
-  void shade(View<vec3> radiance) override {
-    if (mode_ == "throws-later" && frames_ > 3) throw std::runtime_error("tired");
-    for (std::size_t i = 0; i < radiance.size(); ++i)
-      radiance[i] = vec3(mode_ == "wrong" ? 0.9f : mode_ == "nan" ? NAN : mode_ == "black" ? 0.0f : 1.0f);
-  }
-  Footprint footprint() const override { return {1, 2, 3}; }
-
-  static inline int signals_at = 0;         ///< "signals": at which preparation from now on
-  static inline std::string watched, seen;  ///< "spy": what the file held when the last scene was prepared
-
- private:
-  std::string mode_;
-  int frames_ = 0;
-};
-
-Entry fake(const std::string& name, const std::string& backend, const std::string& mode) {
-  Entry e;
-  e.name = name, e.backend = backend;
-  e.lights = {true, mode != "no-area"};
-  e.make = [mode](const Parameters&) { return std::make_unique<Fake>(mode); };
-  return e;
-}
-
-std::string scene_named(const std::string& name, const std::string& light, const std::string& spheres = "") {
-  return "name = \"" + name + "\"\n[occluder]\nmesh = \"box\"\n" + spheres +
-         "[receivers]\nplane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n[light]\n" + light + "\n";
-}
-
-constexpr const char* constant = "environment = \"constant\"";
-
-/// A suite of several scenes and one technique.
-std::string suite_of(const std::vector<std::string>& scenes, const std::string& technique = "good",
-                     const std::string& more = "") {
-  std::string list;
-  for (const std::string& scene : scenes) list += (list.empty() ? "\"" : ", \"") + scene + "\"";
-  return "name = \"t\"\nscenes = [" + list + "]\ntruth_noise = 0.05\n" + more + "[[technique]]\nname = \"" + technique +
-         "\"\nbackend = \"scalar\"\n";
-}
-
-class Runs : public testing::Test {
- protected:
-  Runs() {
-    setenv("PENUMBRA_CACHE", (folder_.path() + "/cache").c_str(), 1);
-    scene_ = folder_.write("scene.toml",
-                           "name = \"tiny\"\n[occluder]\nmesh = \"box\"\n[receivers]\nplane = { half_extent = 1.0, "
-                           "resolution = 16, y = -1.0 }\n"
-                           "[light]\nenvironment = \"constant\"\n");
-    for (const char* mode : {"good", "throws", "throws-later", "nan", "unsupported", "black", "spy"})
-      registry_.add(fake(mode, "scalar", mode));
-    registry_.add(fake("good", "simd", "wrong"));
-    Entry absent = fake("absent", "simd", "good");
-    absent.unavailable = "no device";
-    registry_.add(absent);
-  }
-  ~Runs() override { unsetenv("PENUMBRA_CACHE"); }
-
-  std::string suite_text(const std::vector<std::pair<std::string, std::string>>& techniques) const {
-    std::string text = "name = \"t\"\nscenes = [\"" + scene_ + "\"]\ntruth_noise = 0.05\n";
-    for (const auto& [name, backend] : techniques)
-      text += "[[technique]]\nname = \"" + name + "\"\nbackend = \"" + backend + "\"\n";
-    return text;
-  }
-  int run(const std::string& text, bool resume = false, const std::string& filter = ".*") {
-    const Suite suite = load_suite(folder_.write("suite.toml", text), registry_, 1);
-    testing::internal::CaptureStdout();
-    const int code = run_suite(suite, registry_, {out(), filter, 2, resume});
-    table_ = testing::internal::GetCapturedStdout();
-    return code;
-  }
-  std::string out() const { return folder_.path() + "/out"; }
-  Row row(const std::string& technique, const std::string& backend = "scalar") const {
-    for (const Row& r : read_results(out()).rows)
-      if (r.id.technique == technique && r.id.backend == backend) return r;
-    ADD_FAILURE() << "no row for " << technique;
-    return {};
-  }
-
-  test::TemporaryFolder folder_;
-  std::string scene_, table_;
-  Registry registry_;
-};
+using namespace test;
 
 TEST_F(Runs, GoodRowsAreMeasuredAndWritten) {
   EXPECT_EQ(run(suite_text({{"good", "scalar"}})), 0);
@@ -193,96 +95,6 @@ TEST_F(Runs, WhatCannotRunHereIsRefusedWithItsReason) {
   EXPECT_FALSE(std::filesystem::exists(out()));
   const Entry& absent = registry_.find("absent", "simd");
   EXPECT_THROW(make_technique(absent, {}), Unsupported);
-}
-
-TEST_F(Runs, ResumeKeepsGoodRowsAndMeasuresTheRest) {
-  run(suite_text({{"good", "scalar"}, {"throws", "scalar"}}));
-  const auto before = row("good").timing.frame_ms;
-  EXPECT_EQ(run(suite_text({{"good", "scalar"}, {"unsupported", "scalar"}}), true), 0);
-  EXPECT_EQ(row("good").timing.frame_ms, before);
-  EXPECT_EQ(read_results(out()).rows.size(), 2u);
-}
-
-TEST_F(Runs, ResumeMeasuresAnewWhenTheSceneChanged) {
-  run(suite_text({{"good", "scalar"}}));
-  const std::string key = row("good").facts.scene_key;
-  folder_.write("scene.toml",
-                "name = \"tiny\"\n[occluder]\nmesh = \"sphere\"\n[receivers]\nplane = { half_extent = 1.0, resolution "
-                "= 16, y = -1.0 }\n"
-                "[light]\nenvironment = \"constant\"\n");
-  run(suite_text({{"good", "scalar"}}), true);
-  EXPECT_NE(row("good").facts.scene_key, key);
-}
-
-/// Edits the context of what is on disk.
-void edit_context(const std::string& folder, const std::string& field, const nlohmann::json& value) {
-  Results results = read_results(folder);
-  results.context[field] = value;
-  write_results(folder, results);
-}
-
-TEST_F(Runs, ResumeKeepsNoRowOfAnotherProgramOrMachine) {
-  const std::string suite = suite_text({{"good", "scalar"}});
-  run(suite);
-  for (const auto& [field, value] : std::map<std::string, nlohmann::json>{{"commit", "0123"},
-                                                                          {"dirty", "maybe"},
-                                                                          {"cpu_name", "abacus"},
-                                                                          {"flags", "-O0"},
-                                                                          {"num_cpus", 999},
-                                                                          {"program", ""}}) {
-    const auto before = row("good").timing.frame_ms;
-    edit_context(out(), field, value);
-    testing::internal::CaptureStderr();
-    EXPECT_EQ(run(suite, true), 0);
-    testing::internal::GetCapturedStderr();
-    EXPECT_NE(row("good").timing.frame_ms, before) << field << " differs, and the row was kept";
-    const auto again = row("good").timing.frame_ms;
-    EXPECT_EQ(run(suite, true), 0);
-    EXPECT_EQ(row("good").timing.frame_ms, again) << "the new rows stand under the new context";
-  }
-}
-
-TEST_F(Runs, ResumeKeepsNoRowOfOtherThreadsOrSettings) {
-  const std::string suite = suite_text({{"good", "scalar"}});
-  run(suite);
-  Results results = read_results(out());
-  const auto before = results.rows[0].timing.frame_ms;
-  results.rows[0].id.threads = 7;
-  write_results(out(), results);
-  EXPECT_EQ(run(suite, true), 0);
-  ASSERT_EQ(read_results(out()).rows.size(), 1u);
-  EXPECT_EQ(row("good").id.threads, 1);
-  EXPECT_NE(row("good").timing.frame_ms, before);
-  const std::string key = row("good").facts.key;
-  EXPECT_EQ(run("attribution = true\n" + suite, true), 0);
-  EXPECT_NE(row("good").facts.key, key) << "a suite that asks for more measures again";
-}
-
-TEST_F(Runs, TwoRunsDoNotShareAFolder) {
-  std::filesystem::create_directories(out());
-  const ResultsFolder other(out());
-  EXPECT_NE(test::error_of([&] {
-              run(suite_text({{"good", "scalar"}}));
-            }).find("another run is writing"),
-            std::string::npos);
-  testing::internal::GetCapturedStdout();
-  EXPECT_FALSE(std::filesystem::exists(out() + "/results.json"));
-}
-
-TEST_F(Runs, InterruptsKeepWhatIsFinished) {
-  std::vector<std::string> files;
-  for (const char* name : {"a", "b", "c"})
-    files.push_back(folder_.write(std::string(name) + ".toml", scene_named(name, constant)));
-  registry_.add(fake("signals", "scalar", "signals"));
-  const std::string suite = suite_of(files, "signals");
-  Fake::signals_at = 2;  // while the second scene is prepared
-  EXPECT_EQ(run(suite), 130);
-  ASSERT_EQ(read_results(out()).rows.size(), 1u);
-  EXPECT_EQ(read_results(out()).rows[0].id.scene, "a");
-  const auto kept = read_results(out()).rows[0].timing.frame_ms;
-  EXPECT_EQ(run(suite, true), 0);
-  ASSERT_EQ(read_results(out()).rows.size(), 3u);
-  EXPECT_EQ(read_results(out()).rows[0].timing.frame_ms, kept);
 }
 
 TEST_F(Runs, OneSceneIsLoadedIfTheFilterLeavesOne) {
@@ -385,6 +197,23 @@ TEST_F(Runs, ScenesOfOneNameAreRefusedBeforeAnythingIsMeasured) {
   EXPECT_EQ(read_results(out()).rows.size(), 8u);
 }
 
+TEST_F(Runs, PathsOfScenesStartAtTheSuitesFolder) {
+  EXPECT_EQ(run(suite_of({"scene.toml"})), 0);
+  const auto error = [&](const std::string& scene) {
+    const std::string text = test::error_of([&] { run(suite_of({scene})); });
+    testing::internal::GetCapturedStdout();
+    return text;
+  };
+  EXPECT_NE(
+      error("sub/scene.toml").find("suite.toml:2: key 'scenes': " + folder_.path() + "/sub/scene.toml is no file"),
+      std::string::npos)
+      << error("sub/scene.toml");
+  EXPECT_NE(error("bunny-town").find("suite.toml:2: key 'scenes': 'bunny-town' is neither"), std::string::npos);
+  std::ofstream("elsewhere.toml") << scene_named("elsewhere", constant);  // where the program happens to run
+  EXPECT_NE(error("elsewhere.toml"), "");
+  std::filesystem::remove("elsewhere.toml");
+}
+
 TEST_F(Runs, VariantsListedTwiceAreRefused) {
   const std::string error = test::error_of([&] { run(suite_text({{"good", "scalar"}, {"good", "scalar"}})); });
   EXPECT_NE(error.find("good/scalar/threads:1 a second time"), std::string::npos) << error;
@@ -414,22 +243,6 @@ TEST_F(Runs, ASceneWithoutATruthFailsAndTheOthersAreMeasured) {
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_TRUE(rows[0].status.starts_with("failed: truth: receiver 0")) << rows[0].status;
   EXPECT_TRUE(rows[1].ok());
-}
-
-TEST_F(Runs, AResumedRunKeepsWhatItHasNotReachedOnDisk) {
-  std::vector<std::string> files;
-  for (const char* name : {"a", "b", "c"})
-    files.push_back(folder_.write(std::string(name) + ".toml", scene_named(name, constant)));
-  EXPECT_EQ(run(suite_of(files, "spy")), 0);
-  folder_.write("b.toml", scene_named("b", "environment = \"softbox\""));
-  Fake::watched = out() + "/results.json";
-  EXPECT_EQ(run(suite_of(files, "spy"), true), 0);
-  std::set<std::string> on_disk;  // while b was measured
-  const auto file = nlohmann::json::parse(Fake::seen);
-  for (const auto& saved : file["benchmarks"]) on_disk.insert(saved["scene"]);
-  EXPECT_TRUE(on_disk.contains("a")) << "finished";
-  EXPECT_TRUE(on_disk.contains("c")) << "not reached";
-  EXPECT_EQ(read_results(out()).rows.size(), 3u);
 }
 
 TEST(Thinned, KeepsEveryStrideThReceiver) {
