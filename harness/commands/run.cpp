@@ -43,7 +43,7 @@ class Tables {
 
 /// Writes rows and tables. Empty, or why that failed.
 std::string save(ResultsFolder& folder, const Tables& tables, bool over) {
-  if (const std::string why = folder.save(over); !why.empty()) return why;
+  if (std::string why = folder.save(over); !why.empty()) return why;
   try {
     write_atomically(folder.directory() + "/table.md", tables.of(folder.rows()));
     return "";
