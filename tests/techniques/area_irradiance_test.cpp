@@ -108,7 +108,8 @@ View random_view(std::mt19937& random, int kind) {
   v.lamp = random_direction(random);
   const double h = v.radius * std::exp(8.0 * unit(random) - 3.0);
   const dvec3 aside = glm::normalize(glm::cross(v.lamp, random_direction(random)));
-  const double d = kind % 4 == 0 ? 0.0 : v.radius * std::exp(6.0 * unit(random) - 3.0);
+  const double beside = v.radius * std::exp(6.0 * unit(random) - 3.0);
+  const double d = kind % 8 == 0 ? 0.0 : kind % 8 == 4 ? 1e-5 * beside : beside;
   v.to = -h * v.lamp + d * aside;
   v.normal = kind % 3 == 0 ? -v.lamp : random_direction(random);
   if (kind % 3 == 1) {  // the horizon passes through a point of the disc
