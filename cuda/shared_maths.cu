@@ -21,7 +21,7 @@ __global__ void cover_texels(vec3 centre, float radius, vec3 x, int n, unsigned 
 }
 
 /// One receiver a thread: unshadowed light, region, square, links and moments of the shadow-map family.
-__global__ void shadow_map_maths(LampPolygon lamp, pcss::LightView view, pcss::Reuse reuse, pcss::Snapping how, vec3 p,
+__global__ void shadow_map_maths(LampOutline lamp, pcss::LightView view, pcss::Reuse reuse, pcss::Snapping how, vec3 p,
                                  vec3 n, pcss::Moments b, float* out, pcss::Square* square) {
   const float z = view.depth(p), d = z - pcss::depth_bias(view, 1.0f, p, n, z), width = view.region(view.near, d);
   const vec2 at = view.project(p, z);

@@ -17,7 +17,7 @@ class SoftShadowOnDevice final : public OnDevice<pcss::SoftShadow> {
   }
 
  protected:
-  void find_unshadowed(const LampPolygon&, int, int, float*) const override {}  // by a kernel
+  void find_unshadowed(const LampOutline&, int, int, float*) const override {}  // by a kernel
   void map_changed() override {
     if (options_.multi_scale && samples_.stride() != map_.stride())
       samples_ = pcss::LeafSamples(pcss::make_sample_image(), map_);

@@ -59,11 +59,11 @@ __global__ void __launch_bounds__(threads) build_level(Levels<Span<float>> level
 // --- regions ---------------------------------------------------------------------------------------------------------
 
 __global__ void __launch_bounds__(threads)
-    light_receivers(LampPolygon lamp, ReceiverSpans receivers, Span<float> factor) {
+    light_receivers(LampOutline lamp, ReceiverSpans receivers, Span<float> factor) {
   const std::size_t i = global_thread();
   if (i >= factor.size) return;
   factor[i] = receivers.valid(i) ? form_factor(lamp, receivers.position[i], receivers.normal[i]) : 0.0f;
-  tally(float(60 * lamp.count));
+  tally(float(60 * (lamp.radius > 0.0f ? 1 : lamp.count)));
 }
 
 __device__ inline void take_region(const ReceiverState& r, std::size_t i, const Region& region) {

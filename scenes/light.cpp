@@ -23,16 +23,18 @@ double AreaLight::area() const {
   return shape == Shape::rectangle ? box : 0.25 * pi * box;
 }
 
+vec2 concentric_disc(float u, float v) {
+  const float x = u - 0.5f, y = v - 0.5f;
+  if (x == 0.0f && y == 0.0f) return {0.0f, 0.0f};
+  const bool wide = std::abs(x) > std::abs(y);
+  const float r = wide ? x : y;
+  const float angle = wide ? float(pi / 4) * (y / x) : float(pi / 2) - float(pi / 4) * (x / y);
+  return {r * std::cos(angle), r * std::sin(angle)};
+}
+
 vec3 AreaLight::point(float u, float v) const {
-  float x = u - 0.5f, y = v - 0.5f;
-  if (shape == Shape::disc && (x != 0.0f || y != 0.0f)) {
-    const bool wide = std::abs(x) > std::abs(y);
-    const float r = wide ? x : y;
-    const float angle = wide ? float(pi / 4) * (y / x) : float(pi / 2) - float(pi / 4) * (x / y);
-    x = r * std::cos(angle);
-    y = r * std::sin(angle);
-  }
-  return centre + x * edge_u + y * edge_v;
+  const vec2 at = shape == Shape::disc ? concentric_disc(u, v) : vec2(u - 0.5f, v - 0.5f);
+  return centre + at.x * edge_u + at.y * edge_v;
 }
 
 AreaLight make_rectangle(vec3 centre, vec3 edge_u, vec3 edge_v, vec3 radiance) {

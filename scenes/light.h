@@ -7,6 +7,9 @@
 
 namespace penumbra {
 
+/// From the unit square to the disc of radius 1/2 about the origin; equal areas stay equal (Shirley & Chiu 1997).
+vec2 concentric_disc(float u, float v);
+
 /// Emits `radiance` (W m^-2 sr^-1) evenly to the side that its normal points to.
 struct AreaLight {
   enum class Shape { rectangle, disc };
@@ -16,8 +19,9 @@ struct AreaLight {
   vec3 normal{0, -1, 0};                  ///< unit; rectangle: along edge_u x edge_v
   vec3 radiance{1.0f};
 
-  double area() const;                 ///< m^2
-  vec3 point(float u, float v) const;  ///< equal areas of [0, 1]^2 are equal areas of the light (disc: Shirley 1997)
+  double area() const;  ///< m^2
+  vec3 point(float u,
+             float v) const;  ///< equal areas of [0, 1]^2 are equal areas of the light (disc: concentric_disc())
 };
 
 /// Edges or normal of any length. Parallel edges and a radius of 0 make a lamp without area, which gives no light.

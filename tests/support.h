@@ -2,6 +2,8 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +14,18 @@
 #include "techniques/registry.h"
 
 namespace penumbra::test {
+
+/// What is logged during a call.
+template <class Call>
+std::string messages_of(Call call) {
+  std::ostringstream text;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text)));
+  call();
+  spdlog::set_default_logger(before);
+  return text.str();
+}
 
 inline Environment constant_environment(vec3 radiance = vec3(1.0f)) {
   Environment e;

@@ -9,9 +9,9 @@
 #include <cmath>
 
 #include "harness/measure/interrupt.h"
+#include "harness/measure/truth_samples.h"
 #include "harness/results/metrics.h"
 #include "scenes/error.h"
-#include "techniques/bases/light_sampling.h"
 #include "techniques/bases/pixel_sum.h"
 #include "techniques/bases/random.h"
 #include "techniques/bases/ray_packets.h"
@@ -52,6 +52,26 @@ double Reference::noise(const std::vector<bool>& valid) const {
   return count ? std::sqrt(sum / (3.0 * double(count))) : 0.0;
 }
 
+namespace {
+
+bool reaches_noise(const Reference& truth, const Receivers& receivers, const ReferenceSettings& settings) {
+  const std::vector<bool> valid = valid_receivers(receivers);
+  return truth.noise(valid) <= settings.truth_noise * rms(truth.mean, valid);
+}
+
+}  // namespace
+
+void warn_of_noise(const Reference& reference, const Receivers& receivers, const ReferenceSettings& settings) {
+  if (reference.rung != Rung::truth || reaches_noise(reference, receivers, settings)) return;
+  const std::vector<bool> valid = valid_receivers(receivers);
+  spdlog::warn(
+      "the truth's standard error is {:.2g} % of its RMS after {} rays a receiver, {:.2g} % was asked for: errors "
+      "below "
+      "it are ties; ask for no less than it (--noise, truth_noise), or look at receivers that more light reaches",
+      100.0 * reference.noise(valid) / rms(reference.mean, valid), reference.rays_per_receiver,
+      100.0 * settings.truth_noise);
+}
+
 std::string inapplicable(const Frame& frame, Rung rung) {
   const bool environment = environment_of(frame.light) != nullptr;
   if (rung == Rung::r13x13 && environment) return "the rung 13x13 is for area lights";
@@ -75,7 +95,7 @@ class TruthSampler {
       : frame_(frame),
         out_(out),
         rays_(frame.mesh),
-        sampler_(frame.light),
+        samples_(frame.light),
         sum_(out.mean.pixels.size(), dvec3(0.0)),
         squares_(sum_),
         open_(sum_) {}
@@ -115,7 +135,7 @@ class TruthSampler {
     for (int i = first; i < last; ++i) {
       if (!r.valid(i)) continue;
       const std::uint64_t stream = mix_bits(std::uint64_t(index) << 32 | std::uint32_t(i));
-      sampler_.draw(r.position[i], r.normal[i], rays_per_round, stream, scratch[count]);
+      samples_.draw(r.position[i], r.normal[i], rays_per_round, stream, scratch[count]);
       samples[count] = scratch[count].samples.data();
       which[count++] = i;
     }
@@ -134,23 +154,20 @@ class TruthSampler {
   const Frame& frame_;
   Reference& out_;
   RayScene rays_;
-  LightSampler sampler_;
+  TruthSamples samples_;
   std::vector<dvec3> sum_, squares_, open_;
   int rounds_ = 0;
 };
 
 void compute_truth(const Frame& frame, const ReferenceSettings& settings, Reference& out) {
   TruthSampler sampler(frame, out);
-  const std::vector<bool> valid = valid_receivers(frame.receivers);
   const int most = std::max(8, settings.most_rays / TruthSampler::rays_per_round);
   int rounds = 0;
   for (int next = 8; rounds < most; next = std::min(most, rounds + std::max(4, rounds / 4))) {
     while (rounds < next) sampler.round(rounds++);
     sampler.finish();
-    if (out.noise(valid) <= settings.truth_noise * rms(out.mean, valid)) return;
+    if (reaches_noise(out, frame.receivers, settings)) return;
   }
-  spdlog::warn("the truth's standard error is {:.2g} % of its RMS after {} rays a receiver; {:.2g} % was asked for",
-               100.0 * out.noise(valid) / rms(out.mean, valid), out.rays_per_receiver, 100.0 * settings.truth_noise);
 }
 
 constexpr int cells = 13;
@@ -222,6 +239,7 @@ Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettin
   else compute_texels(frame, rung, settings.resolution, out);
   stop_if_interrupted();
   check_finite(out, frame.receivers);
+  warn_of_noise(out, frame.receivers, settings);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

@@ -43,6 +43,9 @@ std::string inapplicable(const Frame& frame, Rung rung);
 /// Throws Error naming the first receiver of a reference that is not finite.
 void check_finite(const Reference& reference, const Receivers& receivers);
 
+/// Warns of a truth whose noise is above what was asked for, and says what to do.
+void warn_of_noise(const Reference& reference, const Receivers& receivers, const ReferenceSettings& settings);
+
 /// Computes a rung. Throws Unsupported where it does not apply, Error if it is not finite, Interrupted if the run is to
 /// stop. Deterministic for any number
 /// of threads.

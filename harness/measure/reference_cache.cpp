@@ -11,7 +11,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int format_version = 5;  // raise when a rung's algorithm changes: old files are then never looked at
+constexpr int format_version = 6;  // raise when a rung's algorithm changes: old files are then never looked at
 
 void add_light(ContentHash& hash, const Light& light) {
   if (const Environment* e = environment_of(light)) {
@@ -115,6 +115,7 @@ Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSetting
     try {
       Reference reference = load(path, key, rung);
       check_finite(reference, frame.receivers);
+      warn_of_noise(reference, frame.receivers, settings);  // of a file as of a fresh one
       return reference;
     } catch (const std::exception& e) {
       spdlog::warn("reference cache: {}; computing it anew", e.what());

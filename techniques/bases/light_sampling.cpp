@@ -119,8 +119,7 @@ std::size_t EnvironmentSampler::bytes() const {
   return cells_.size() * (sizeof(Cell) + 6 * sizeof(float)) + texels_.size() * (sizeof(int) + sizeof(double));
 }
 
-LightSample sample_area(const AreaLight& light, vec3 position, vec3 normal, float u, float v) {
-  const vec3 to_light = light.point(u, v) - position;
+LightSample sample_point(const AreaLight& light, vec3 to_light, vec3 normal) {
   const float distance2 = glm::dot(to_light, to_light);
   if (distance2 == 0.0f) return {normal, 0.0f, vec3(0.0f)};
   const float distance = std::sqrt(distance2);
@@ -128,7 +127,13 @@ LightSample sample_area(const AreaLight& light, vec3 position, vec3 normal, floa
   const float receiver_cosine = std::max(0.0f, glm::dot(normal, direction));
   const float light_cosine = std::max(0.0f, -glm::dot(light.normal, direction));
   const double geometry = light.area() * double(receiver_cosine * light_cosine) / (pi * double(distance2));
-  return {direction, distance, light.radiance * float(geometry)};
+  return {direction, distance, vec3(float(geometry))};
+}
+
+LightSample sample_area(const AreaLight& light, vec3 position, vec3 normal, float u, float v) {
+  LightSample sample = sample_point(light, light.point(u, v) - position, normal);
+  sample.weight *= light.radiance;
+  return sample;
 }
 
 LightSampler::LightSampler(const Light& light) : area_(area_light_of(light)) {
@@ -148,10 +153,8 @@ void LightSampler::draw(vec3 position, vec3 normal, int k, std::uint64_t stream,
   }
   const RandomTriple shift = random_triple(stream, ~0u);
   for (int i = 0; i < k; ++i) {
-    std::uint32_t reversed = 0;  // radical inverse in base 2
-    for (std::uint32_t bits = std::uint32_t(i), b = 0; b < 32; ++b) reversed |= (bits >> b & 1u) << (31 - b);
-    const float u = (float(i) + 0.5f) / float(k) + shift.x, v = float(reversed >> 8) * 0x1p-24f + shift.y;
-    scratch.samples[i] = sample_area(*area_, position, normal, u - std::floor(u), v - std::floor(v));
+    const vec2 at = shifted_hammersley(i, k, shift);
+    scratch.samples[i] = sample_area(*area_, position, normal, at.x, at.y);
   }
 }
 

@@ -93,6 +93,10 @@ class RayScene;
 /// ray after the other. Light that arrives from below the horizon costs no ray.
 vec3 estimate_radiance(const RayScene& rays, vec3 origin, const std::vector<LightSample>& samples);
 
+/// What a point of an area light brings at radiance 1, chosen evenly by area: weight A cos cos / (pi distance^2), 0
+/// from behind either surface. `to_light`: from the receiver to the point, m.
+LightSample sample_point(const AreaLight& light, vec3 to_light, vec3 normal);
+
 /// Light from the point (u, v) in [0, 1]^2 of an area light; weight 0 from behind either surface.
 LightSample sample_area(const AreaLight& light, vec3 position, vec3 normal, float u, float v);
 

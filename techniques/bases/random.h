@@ -1,6 +1,8 @@
 // Counter-based random numbers: a pure function of its keys, so images do not depend on threads or order.
 #pragma once
 
+#include <cmath>
+
 #include "scenes/math.h"
 
 namespace penumbra {
@@ -21,6 +23,14 @@ PENUMBRA_HD inline RandomTriple random_triple(std::uint64_t stream, std::uint32_
   const std::uint64_t bits = mix_bits(stream ^ (std::uint64_t(index) * 0xd1342543de82ef95ull));
   const auto unit = [](std::uint64_t b) { return float(b & 0x1fffff) * (1.0f / 2097152.0f); };  // 21 bits
   return {unit(bits), unit(bits >> 21), unit(bits >> 42)};
+}
+
+/// Point i of k of Hammersley's set in base 2, shifted by (shift.x, shift.y) on the torus (Cranley & Patterson 1976).
+inline vec2 shifted_hammersley(int i, int k, const RandomTriple& shift) {
+  std::uint32_t reversed = 0;
+  for (std::uint32_t bits = std::uint32_t(i), b = 0; b < 32; ++b) reversed |= (bits >> b & 1u) << (31 - b);
+  const float u = (float(i) + 0.5f) / float(k) + shift.x, v = float(reversed >> 8) * 0x1p-24f + shift.y;
+  return {u - std::floor(u), v - std::floor(v)};
 }
 
 }  // namespace penumbra

@@ -33,7 +33,7 @@ void AreaShadow::for_ranges(int count, int grain, const std::function<void(int, 
   else if (count > 0) work(0, count);
 }
 
-void AreaShadow::find_unshadowed(const LampPolygon& lamp, int begin, int end, float* factor) const {
+void AreaShadow::find_unshadowed(const LampOutline& lamp, int begin, int end, float* factor) const {
   for (int i = begin; i < end; ++i)
     factor[i] = receivers_->valid(i) ? form_factor(lamp, receivers_->position[i], receivers_->normal[i]) : 0.0f;
 }
@@ -42,7 +42,7 @@ void AreaShadow::refresh(const Mesh& mesh, const Light& light, const Receivers& 
   const AreaLight& lamp = *area_light_of(light);
   receivers_ = &receivers;
   emitted_ = lamp.radiance;
-  if (changed.light) lamp_ = make_polygon(lamp);
+  if (changed.light) lamp_ = make_outline(lamp);
   if (changed.mesh) rays_.build(mesh);
   clock_.reset();
   if (changed.light || changed.receivers)

@@ -36,7 +36,7 @@ class AreaShadow : public Technique {
   virtual void find_visibility(Tile& tile) = 0;
   /// Once all tiles are done: the whole image.
   virtual void finish(std::vector<float>& visibility) { (void)visibility; }
-  virtual void find_unshadowed(const LampPolygon& lamp, int begin, int end, float* factor) const;
+  virtual void find_unshadowed(const LampOutline& lamp, int begin, int end, float* factor) const;
   virtual void project_tile(Tile& tile) const { project(map_.view, *receivers_, bias_, tile); }
   /// Tiles' rows and columns are multiples of this.
   virtual int tile_multiple() const { return 1; }
@@ -59,7 +59,7 @@ class AreaShadow : public Technique {
   StageClock clock_;
   bool parallel_;
   float bias_;  ///< texels
-  LampPolygon lamp_;
+  LampOutline lamp_;
   vec3 emitted_{0.0f};
 
  private:

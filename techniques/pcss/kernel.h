@@ -15,7 +15,7 @@ namespace penumbra::pcss::simd {
 
 // --- a lane is a receiver --------------------------------------------------------------------------------------------
 
-void find_unshadowed(const LampPolygon& lamp, const Receivers& receivers, int begin, int end, float* factor);
+void find_unshadowed(const LampOutline& lamp, const Receivers& receivers, int begin, int end, float* factor);
 void project(const LightView& view, const Receivers& receivers, float bias, Tile& tile);
 void hard_shadow(const ShadowMap& map, int kernel, Tile& tile);
 

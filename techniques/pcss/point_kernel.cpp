@@ -21,6 +21,9 @@ HWY_INLINE VF Dot(const Vector3& a, const Vector3& b) {
 HWY_INLINE Vector3 Minus(const Vector3& a, const Vector3& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
+HWY_INLINE Vector3 Times(const Vector3& a, VF by) {
+  return {hn::Mul(a.x, by), hn::Mul(a.y, by), hn::Mul(a.z, by)};
+}
 HWY_INLINE Vector3 Cross(const Vector3& a, const Vector3& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(b.y, a.z)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(b.z, a.x)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(b.x, a.y))};
@@ -56,8 +59,8 @@ HWY_INLINE void WithVectors(const Receivers& r, std::size_t first, int count, co
 
 // --- unshadowed light ------------------------------------------------------------------------------------------------
 
-/// Form factor of a lamp that lies above the horizon; `clipped`: lanes where a corner does not.
-HWY_INLINE VF FormFactor(const LampPolygon& lamp, const Vector3& position, const Vector3& normal, MF& clipped) {
+/// Form factor of a parallelogram that lies above the horizon; `clipped`: lanes where a corner does not.
+HWY_INLINE VF PolygonFactor(const LampOutline& lamp, const Vector3& position, const Vector3& normal, MF& clipped) {
   const Floats d;
   const VF zero = hn::Zero(d), one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f);
   clipped = hn::Lt(one, zero);
@@ -83,7 +86,25 @@ HWY_INLINE VF FormFactor(const LampPolygon& lamp, const Vector3& position, const
   return hn::Max(zero, hn::Mul(Dot(normal, sum), hn::Set(d, float(0.5 / pi))));
 }
 
-void FindUnshadowed(const LampPolygon& lamp, const Receivers& r, int begin, int end, float* factor) {
+/// disc_factor() of a disc that lies above the horizon; `cut`: lanes where part of it does not.
+HWY_INLINE VF DiscFactor(const LampOutline& lamp, const Vector3& position, const Vector3& normal, MF& cut) {
+  const Floats d;
+  const VF zero = hn::Zero(d), two = hn::Set(d, 2.0f), r = hn::Set(d, lamp.radius), r2 = hn::Mul(r, r);
+  const Vector3 to = Minus(All(lamp.centre), position), z = All(-lamp.normal);
+  const VF h = Dot(z, to), upright = Dot(z, normal), h2 = hn::Mul(h, h);
+  const Vector3 lean = Minus(normal, Times(z, upright)), beside = Minus(to, Times(z, h));
+  cut = hn::Not(hn::Ge(Dot(normal, to), hn::Mul(r, hn::Sqrt(Dot(lean, lean)))));
+  const VF d2 = Dot(beside, beside), aside = hn::Sqrt(d2), near = hn::Sub(aside, r), far = hn::Add(aside, r);
+  const VF s = hn::Mul(hn::Sqrt(hn::Add(hn::Mul(far, far), h2)), hn::Sqrt(hn::Add(hn::Mul(near, near), h2)));
+  const VF a = hn::Sub(hn::Add(d2, h2), r2), b = hn::Add(hn::Add(d2, h2), r2);
+  const VF rh = hn::Mul(r, h), k = hn::Div(hn::Mul(two, rh), s);
+  const VF outside = hn::Mul(k, hn::Div(rh, hn::Add(s, a))), inside = hn::Div(hn::Sub(s, a), hn::Mul(two, s));
+  const VF facing = hn::IfThenElse(hn::Gt(a, zero), outside, inside);
+  const VF across = hn::Mul(k, hn::Div(r, hn::Add(b, s)));
+  return hn::Max(zero, hn::Add(hn::Mul(upright, facing), hn::Mul(Dot(normal, beside), across)));
+}
+
+void FindUnshadowed(const LampOutline& lamp, const Receivers& r, int begin, int end, float* factor) {
   const Floats d;
   const int lanes = int(hn::Lanes(d));
   alignas(64) float out[Tile::padding];
@@ -91,7 +112,8 @@ void FindUnshadowed(const LampPolygon& lamp, const Receivers& r, int begin, int 
     const int count = end - i < lanes ? end - i : lanes;
     WithVectors(r, std::size_t(i), count, [&](const Vector3& position, const Vector3& normal) {
       MF clipped;
-      const VF value = FormFactor(lamp, position, normal, clipped);
+      const VF value = lamp.radius > 0.0f ? DiscFactor(lamp, position, normal, clipped)
+                                          : PolygonFactor(lamp, position, normal, clipped);
       const MF front = hn::Gt(Dot(All(lamp.normal), Minus(position, All(lamp.centre))), hn::Zero(d));
       hn::Store(hn::IfThenElseZero(front, value), d, out);
       const MF redo = hn::And(front, clipped);
@@ -298,7 +320,7 @@ HWY_EXPORT(SearchRegions);
 HWY_EXPORT(FilterRegions);
 HWY_EXPORT(Target);
 
-void find_unshadowed(const LampPolygon& lamp, const Receivers& receivers, int begin, int end, float* factor) {
+void find_unshadowed(const LampOutline& lamp, const Receivers& receivers, int begin, int end, float* factor) {
   HWY_DYNAMIC_DISPATCH(FindUnshadowed)(lamp, receivers, begin, end, factor);
 }
 void project(const LightView& view, const Receivers& receivers, float bias, Tile& tile) {

@@ -16,7 +16,7 @@ class Simd : public Scalar {
   std::string instruction_set() const override { return simd::target(); }
 
  protected:
-  void find_unshadowed(const LampPolygon& lamp, int begin, int end, float* factor) const override {
+  void find_unshadowed(const LampOutline& lamp, int begin, int end, float* factor) const override {
     simd::find_unshadowed(lamp, *this->receivers_, begin, end, factor);
   }
   void project_tile(Tile& tile) const override { simd::project(this->map_.view, *this->receivers_, this->bias_, tile); }

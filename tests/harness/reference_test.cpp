@@ -114,6 +114,22 @@ TEST(Reference, ThreadsDoNotChangeABit) {
   EXPECT_EQ(one.variance.pixels, two.variance.pixels);
 }
 
+TEST(Reference, NoiseThatIsNotReachedIsSaidWhetherComputedOrLoaded) {
+  const test::TemporaryFolder folder;
+  setenv("PENUMBRA_CACHE", folder.path().c_str(), 1);
+  Animation animation(resting_sphere());
+  const Frame frame = animation.frame(0);
+  const auto said = [&](double noise) {
+    return test::messages_of([&] { cached_reference(frame, Rung::truth, {32, noise, 2048}); });
+  };
+  for (const char* from : {"computed", "loaded"}) {
+    EXPECT_NE(said(1e-4).find("0.01 % was asked for"), std::string::npos) << from;
+    EXPECT_NE(said(1e-4).find("--noise"), std::string::npos) << from;
+    EXPECT_EQ(said(0.05), "") << from;
+  }
+  unsetenv("PENUMBRA_CACHE");
+}
+
 class ReferenceCache : public testing::Test {
  protected:
   ReferenceCache() { setenv("PENUMBRA_CACHE", folder_.path().c_str(), 1); }

@@ -3,8 +3,6 @@
 #include <OpenImageIO/deepdata.h>
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include "scenes/colour.h"
 #include "tests/support.h"
@@ -12,20 +10,9 @@
 namespace penumbra {
 namespace {
 
+using test::messages_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-/// What is logged during a call.
-template <class Call>
-std::string messages_of(Call call) {
-  std::ostringstream text;
-  const auto before = spdlog::default_logger();
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text)));
-  call();
-  spdlog::set_default_logger(before);
-  return text.str();
-}
 
 void expect_near(vec3 a, vec3 b, float tolerance = 1e-4f) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "channel " << c;

@@ -34,10 +34,10 @@ std::vector<double> visibility(const std::string& name, const std::string& backe
                                const std::vector<std::string>& parameters, const Scene& scene) {
   const std::vector<vec3> image = test::shade(name, backend, parameters, scene);
   const AreaLight& light = *area_light_of(scene.light);
-  const LampPolygon polygon = make_polygon(light);
+  const LampOutline outline = make_outline(light);
   std::vector<double> result;
   for (std::size_t i = 0; i < image.size(); ++i) {
-    const float open = light.radiance.x * form_factor(polygon, scene.receivers.position[i], scene.receivers.normal[i]);
+    const float open = light.radiance.x * form_factor(outline, scene.receivers.position[i], scene.receivers.normal[i]);
     result.push_back(open > 0.0f ? double(image[i].x / open) : 1.0);
   }
   return result;
@@ -255,10 +255,10 @@ TEST(Pcss, TroubleGivesDefinedResults) {
           for (const char* view : {"light_view=perspective", "light_view=orthographic"}) {
             const auto image = test::shade(name, backend, {map, view}, t.scene);
             const AreaLight& light = *area_light_of(t.scene.light);
-            const LampPolygon polygon = make_polygon(light);
+            const LampOutline outline = make_outline(light);
             for (std::size_t i = 0; i < image.size(); ++i) {
               const float open =
-                  light.radiance.x * form_factor(polygon, t.scene.receivers.position[i], t.scene.receivers.normal[i]);
+                  light.radiance.x * form_factor(outline, t.scene.receivers.position[i], t.scene.receivers.normal[i]);
               ASSERT_TRUE(image[i].x >= 0.0f && image[i].x <= open * 1.001f + 1e-6f)
                   << t.name << ", " << name << " " << backend << " " << map << " " << view << ", receiver " << i << ": "
                   << image[i].x << " of " << open;
