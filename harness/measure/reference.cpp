@@ -91,14 +91,16 @@ Image blank(const Receivers& r) {
 /// that of the rounds over their number, so the gain of stratification counts.
 class TruthSampler {
  public:
-  TruthSampler(const Frame& frame, Reference& out)
+  /// A quick look, at 5 % of noise or more, gets by with short rounds.
+  TruthSampler(const Frame& frame, double noise, Reference& out)
       : frame_(frame),
         out_(out),
         rays_(frame.mesh),
         samples_(frame.light),
         sum_(out.mean.pixels.size(), dvec3(0.0)),
         squares_(sum_),
-        open_(sum_) {}
+        open_(sum_),
+        count_(noise < 0.05 ? 256 : 16) {}
 
   void round(int index) {
     const Receivers& r = frame_.receivers;
@@ -113,7 +115,7 @@ class TruthSampler {
 
   /// Writes mean, variance and unshadowed radiance so far.
   void finish() {
-    out_.rays_per_receiver = rounds_ * rays_per_round;
+    out_.rays_per_receiver = rounds_ * count_;
     for (std::size_t i = 0; i < sum_.size(); ++i) {
       const dvec3 mean = sum_[i] / double(rounds_), albedo(frame_.receivers.albedo[i]);
       const dvec3 spread = glm::max(dvec3(0.0), squares_[i] / double(rounds_) - mean * mean);
@@ -123,7 +125,7 @@ class TruthSampler {
     }
   }
 
-  static constexpr int rays_per_round = 256;
+  int rays_per_round() const { return count_; }
 
  private:
   void round_of_group(int group, int index, LightSampler::Scratch* scratch) {
@@ -135,19 +137,19 @@ class TruthSampler {
     for (int i = first; i < last; ++i) {
       if (!r.valid(i)) continue;
       const std::uint64_t stream = mix_bits(std::uint64_t(index) << 32 | std::uint32_t(i));
-      samples_.draw(r.position[i], r.normal[i], rays_per_round, stream, scratch[count]);
+      samples_.draw(r.position[i], r.normal[i], count_, stream, scratch[count]);
       samples[count] = scratch[count].samples.data();
       which[count++] = i;
     }
     const auto span = std::size_t(count);
-    estimate_packet(rays_, r, {which, span}, {samples, span}, rays_per_round, estimate);
+    estimate_packet(rays_, r, {which, span}, {samples, span}, count_, estimate);
     for (int k = 0; k < count; ++k) {
       const dvec3 value(estimate[k]);
       sum_[which[k]] += value;
       squares_[which[k]] += value * value;
       dvec3 open(0.0);
-      for (int j = 0; j < rays_per_round; ++j) open += dvec3(samples[k][j].weight);
-      open_[which[k]] += open / double(rays_per_round);
+      for (int j = 0; j < count_; ++j) open += dvec3(samples[k][j].weight);
+      open_[which[k]] += open / double(count_);
     }
   }
 
@@ -156,12 +158,13 @@ class TruthSampler {
   RayScene rays_;
   TruthSamples samples_;
   std::vector<dvec3> sum_, squares_, open_;
+  const int count_;  ///< of rays, per receiver and round
   int rounds_ = 0;
 };
 
 void compute_truth(const Frame& frame, const ReferenceSettings& settings, Reference& out) {
-  TruthSampler sampler(frame, out);
-  const int most = std::max(8, settings.most_rays / TruthSampler::rays_per_round);
+  TruthSampler sampler(frame, settings.truth_noise, out);
+  const int most = std::max(8, settings.most_rays / sampler.rays_per_round());
   int rounds = 0;
   for (int next = 8; rounds < most; next = std::min(most, rounds + std::max(4, rounds / 4))) {
     while (rounds < next) sampler.round(rounds++);
