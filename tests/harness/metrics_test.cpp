@@ -97,6 +97,19 @@ TEST(Metrics, RegionsGoByTheShareThatArrives) {
   EXPECT_EQ(classify({vec3(0)}, {vec3(0)}, {true})[0], Region::none) << "no light, no shadow";
 }
 
+TEST(Metrics, UmbraEndsAtTwoPercentAndLitBeginsAtNinetyEight) {
+  const auto region = [](float share) { return classify({vec3(4 * share)}, {vec3(4.0f)}, {true})[0]; };
+  EXPECT_EQ(region(0.0199f), Region::umbra);
+  EXPECT_EQ(region(0.0201f), Region::penumbra);
+  EXPECT_EQ(region(0.9799f), Region::penumbra);
+  EXPECT_EQ(region(0.9801f), Region::lit);
+  EXPECT_EQ(classify({vec3(0.02f)}, {vec3(1.0f)}, {true})[0], Region::penumbra) << "under, not at";
+  EXPECT_EQ(classify({vec3(0.98f)}, {vec3(1.0f)}, {true})[0], Region::penumbra);
+  // Blue is the least of luminance: 0.98 of red and green, nothing of blue, is a penumbra of 0.9.
+  EXPECT_EQ(classify({vec3(0.99f, 0.99f, 0)}, {vec3(1.0f)}, {true})[0], Region::penumbra);
+  EXPECT_EQ(classify({vec3(0, 0, 0.25f)}, {vec3(1.0f)}, {true})[0], Region::umbra) << "a quarter of blue is 1.8 %";
+}
+
 TEST(Metrics, ExposureBringsTheBrightestToEightTenths) {
   std::vector<float> values(1000, 0.5f);
   values[3] = 1e6f;  // one firefly does not decide

@@ -283,12 +283,15 @@ TEST(ShSelfShadow, RuleOfRen2006) {
   const Shadow high = shadow({{0, 2, 0}, 1.0f});
   EXPECT_FLOAT_EQ(high.cosine, std::sqrt(0.75f));
   EXPECT_FLOAT_EQ(high.axis.y, 1.0f);
-  const Shadow half = shadow({{3, 0, 0}, 1.0f});  // becomes radius 0.5 at height 0.5
-  EXPECT_EQ(half.share, 1.0f);
-  EXPECT_NEAR(half.cosine, std::sqrt(1 - 0.25 / 9.25), 1e-6);
-  EXPECT_NEAR(half.axis.y, 0.5 / std::sqrt(9.25), 1e-6);
-  const Shadow sunk = shadow({{3, -0.5f, 0}, 1.0f});
-  EXPECT_NEAR(sunk.share, 0.5f, 1e-6f);
+  for (const double h : {-0.75, -0.5, 0.0, 0.5, 0.999, 1.0, 1.5}) {  // radius 1: below 1 it pokes through the plane
+    const double resting = h < 1.0 ? 0.5 * (1.0 + h) : 1.0, centre = h < 1.0 ? resting : h;
+    const double square = 9.0 + centre * centre;
+    const Shadow found = shadow({{3, float(h), 0}, 1.0f});
+    EXPECT_NEAR(found.share, h < 0.0 ? 1.0 + h : 1.0, 1e-6) << h;
+    EXPECT_NEAR(found.cosine, std::sqrt(1 - resting * resting / square), 1e-6) << h;
+    EXPECT_NEAR(found.axis.y, centre / std::sqrt(square), 1e-6) << h;
+    EXPECT_NEAR(found.axis.x, 3.0 / std::sqrt(square), 1e-6) << h;
+  }
   EXPECT_NEAR(shadow_of({{3, 0, 0}, 1.0f}, x, up, false, false).cosine, std::sqrt(1 - 1.0 / 9), 1e-6) << "kept";
 }
 
