@@ -272,5 +272,33 @@ TEST(InstructionSets, AllAgree) {
   }
 }
 
+/// A parameter that is read in another's place changes nothing. One end of its range against the other, for receivers
+/// on the ground and on the mesh. (Other backends equal this one.)
+TEST(Variants, EveryRealParameterMatters) {
+  const Registry registry = make_registry();
+  for (const Entry& entry : registry.entries()) {
+    const std::vector<Parameters> sets = parameter_sets(entry, ends_of);
+    if (entry.backend != "simd" || sets.size() == 1) continue;
+    const Scene ground = thinned(scene_for(entry, false), 16);
+    Scene mesh = ground;
+    mesh.receivers = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh.mesh);
+    for (const Parameter& p : entry.parameters) {
+      if (ends_of(p).empty()) continue;
+      bool matters = false;
+      for (const Scene* scene : std::initializer_list<const Scene*>{&ground, &mesh}) {
+        if (matters) continue;
+        std::vector<vec3> image[2];
+        for (int k = 0; k < 2; ++k) {
+          Parameters parameters = sets[0];
+          parameters.set(p.name, ends_of(p)[std::size_t(k)]);
+          image[k] = test::shade(*entry.make(parameters), *scene);
+        }
+        matters = test::difference(image[0], image[1]) > 1e-5;
+      }
+      EXPECT_TRUE(matters) << entry.title() << " " << p.name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace penumbra
