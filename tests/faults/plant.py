@@ -4,7 +4,8 @@
 usage: python3 tests/faults/plant.py [--check] [--only REGEX] [--build DIR] [--jobs N] [--list FILE]
 
 The list (faults.toml beside this file) says for each fault where it goes, the exact text it replaces, and which tests
-should fail. The copy lives in DIR/tree and is built in DIR/out; both stay, so that the next run builds only what changed.
+should fail. The copy lives in DIR and is built there as the release preset says; it stays, so that the next run builds only what
+changed.
 A line a fault:
   caught            a test failed
   survived          all tests passed: write one that fails
@@ -66,7 +67,8 @@ def copy_tree(tree):
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(source, target)
     for path in tree.rglob("*"):
-        if path.is_file() and str(path.relative_to(tree)) not in wanted:
+        name = path.relative_to(tree)
+        if name.parts[0] != "build" and path.is_file() and str(name) not in wanted:
             path.unlink()
 
 
@@ -74,11 +76,10 @@ class Copy:
     """The copy of the tree, its build and its tests."""
 
     def __init__(self, folder, jobs):
-        self.tree, self.out, self.jobs = folder / "tree", folder / "out", jobs
+        self.tree, self.jobs = folder, jobs
         self.tree.mkdir(parents=True, exist_ok=True)
         copy_tree(self.tree)
-        self._run("cmake", "-S", self.tree, "-B", self.out, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                  "-DPENUMBRA_TESTS=ON", must=True)
+        self._run("cmake", "--preset", "release", "-DPENUMBRA_TESTS=ON", must=True)
         if not self.build():
             sys.exit("the tree does not build as it is")
 
@@ -90,14 +91,15 @@ class Copy:
         return result
 
     def build(self):
-        return self._run("cmake", "--build", self.out, "--target", "penumbra_tests", "-j", self.jobs).returncode == 0
+        return self._run("cmake", "--build", "--preset", "release", "--target", "penumbra_tests",
+                         "-j", self.jobs).returncode == 0
 
     def failing_tests(self, tests):
         """Names of the tests that fail; [how it died] if the program did not end by itself."""
         # A cache of its own: what was computed before would hide the fault, what the fault computes would outlive it.
         with tempfile.TemporaryDirectory() as cache:
-            result = self._run(self.out / "tests/penumbra_tests", "--gtest_brief=1", f"--gtest_filter={tests or '*'}",
-                               PENUMBRA_CACHE=cache)
+            result = self._run("build/release/tests/penumbra_tests", "--gtest_brief=1",
+                               f"--gtest_filter={tests or '*'}", PENUMBRA_CACHE=cache)
         if re.search(r"\] 0 tests from", result.stdout):
             sys.exit(f"no test is named '{tests}'")
         if result.returncode not in (0, 1):

@@ -111,6 +111,20 @@ TEST(PcssMultiScaleMap, EverySquareKnowsItsTexels) {
     }
 }
 
+TEST(PcssMultiScaleMap, NeededLevelsHoldEveryRegion) {
+  std::mt19937 random(29);
+  for (const int edge : {5, 64, 100})
+    for (int k = 0; k < 4000; ++k) {
+      const float widest = float(edge) * unit(random) * unit(random), width = widest * unit(random);
+      Snapping how;
+      how.inclusive = k % 2 == 0;
+      how.size = k % 4 < 2 ? Snapping::Size::nearest : Snapping::Size::up;
+      const Square square =
+          snap(float(edge) * unit(random), float(edge) * unit(random), width, edge, largest_level(edge), how);
+      EXPECT_LE(square.level, needed_level(widest, edge)) << width << " of " << widest << " on " << edge;
+    }
+}
+
 TEST(PcssMultiScaleMap, SerialAndParallelAgreeAndLevelsCanBeFew) {
   const ShadowMap map = random_map(64);
   MultiScaleMap a, b;
@@ -226,6 +240,23 @@ TEST(PcssSamples, ImageHasThePapersColumns) {
   std::set<float> first;
   for (const auto& variant : image.position) first.insert(variant[0].x);
   EXPECT_EQ(first.size(), 8u) << "eight different variants";
+}
+
+/// A leaf's samples are one in each cell of it: 1, 2 x 2 or 4 x 4.
+TEST(PcssSamples, LeavesOfEverySizeHaveOneInEachCell) {
+  const ShadowMap map = random_map(64);
+  const LeafSamples samples(make_sample_image(), map);
+  for (int level = 0; level <= 6; ++level)
+    for (int variant = 0; variant < SampleImage::variants; ++variant) {
+      const int edge = 1 << level, count = SampleImage::count(edge), across = int(std::lround(std::sqrt(count)));
+      std::set<int> cells;
+      for (int k = 0; k < count; ++k) {
+        const int offset = samples.of(level, variant)[k], x = offset % map.stride(), y = offset / map.stride();
+        ASSERT_TRUE(x < edge && y < edge);
+        cells.insert(y * across / edge * across + x * across / edge);
+      }
+      EXPECT_EQ(int(cells.size()), count) << "level " << level << " variant " << variant;
+    }
 }
 
 TEST(PcssSamples, PatternsLieInTheirShapesAndSpread) {

@@ -62,6 +62,8 @@ TEST(PcssView, WidthsByHand) {
   EXPECT_EQ(far.region(-1e6f, 2.0f), 256.0f) << "cut to the map";
   settings.light_scale = 3.0;
   EXPECT_NEAR(view_of(lamp, settings).width(2.0f, 4.0f) / view_of(lamp, settings).density, 2.0, 1e-5);
+  const LightView wide = view_of(make_rectangle({0, 4, 0}, {0.4f, 0, 0}, {0, 0, 1.6f}, vec3(10.0f)), settings);
+  EXPECT_NEAR(wide.texel_at(3.0f) * wide.density, 1.6, 1e-5) << "of its longer edge";
   EXPECT_EQ(view_of(make_disc({0, 4, 0}, {0, -1, 0}, 0.0f, vec3(1.0f)), settings).width(2.0f, 4.0f), 0.0f);
 }
 
@@ -136,6 +138,22 @@ TEST(PcssPatterns, VogelsPointsHaveEqualAreas) {
   for (const vec2& p : points) mean += double(glm::dot(p, p)) / 25.0;
   EXPECT_NEAR(mean, 0.5, 1e-6) << "of r^2 over the disc";
   EXPECT_NEAR(glm::length(points[0]), std::sqrt(0.5 / 25.0), 1e-6);
+}
+
+/// One sample beside the point, under an edge: it falls to either side as often, whatever side is covered.
+TEST(PcssPatterns, TurnsGoAllTheWayAround) {
+  const Receivers many = receivers_at(std::vector<vec3>(900, vec3(0.0f)));
+  for (const char* pattern : {"pattern=poisson", "pattern=vogel", "pattern=lattice"})
+    for (const auto& [low, high] : {std::pair(vec2(-1.5f, -1.5f), vec2(0.0f, 1.5f)),
+                                    {{0.0f, -1.5f}, {1.5f, 1.5f}},
+                                    {{-1.5f, -1.5f}, {1.5f, 0.0f}},
+                                    {{-1.5f, 0.0f}, {1.5f, 1.5f}}}) {
+      double mean = 0.0;
+      for (const double v : visibility("pcss-rotated", "scalar", {pattern, "search_samples=64", "filter_samples=1"},
+                                       lamp_scene(plate(low, high, 1.0f), many)))
+        mean += v / 900.0;
+      EXPECT_NEAR(mean, 0.5, 0.06) << pattern << " " << low.x << " " << low.y << " " << high.x;
+    }
 }
 
 TEST(PcssPatterns, NoiseAndPlacementByHand) {

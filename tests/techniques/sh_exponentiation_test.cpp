@@ -317,6 +317,40 @@ TEST(ShHierarchy, CutsAreFinerNearby) {
   EXPECT_TRUE(SphereTree(SphereSet{}).empty());
 }
 
+/// Logarithm of the visibility behind a sphere, as a receiver at x adds it.
+std::vector<double> logarithm_at(const LogTable& table, const Sphere& sphere, vec3 x) {
+  const vec3 to = sphere.centre - x;
+  const double sine = double(sphere.radius) / double(glm::length(to));
+  std::vector<double> f = sh::evaluate(table.order(), glm::normalize(dvec3(to)));
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] *= table.look_up(sh::band(int(i)), std::sqrt(1.0 - sine * sine));
+  return f;
+}
+
+/// A bound of four spheres that looks 14 degrees large stands for them: band by band the share of its logarithm that
+/// comes nearest to the sum of theirs.
+TEST(ShHierarchy, WeightsFitTheSumOfTheSpheres) {
+  const LogTable table(4);
+  const SphereSet set{
+      {{{-0.6f, 4, 0.1f}, 0.3f}, {{-0.2f, 4.1f, 0}, 0.25f}, {{0.3f, 3.9f, 0}, 0.35f}, {{0.7f, 4, 0}, 0.2f}}};
+  std::vector<WeightedSphere> cut;
+  SphereTree(set).cut(table, {vec3(0.0f), 0.01f}, cut);
+  ASSERT_EQ(cut.size(), 1u);
+  EXPECT_TRUE(cut[0].bound);
+  const std::vector<double> bound = logarithm_at(table, cut[0].sphere, vec3(0.0f));
+  std::vector<double> sum(bound.size(), 0.0);
+  for (const Sphere& s : set.spheres) {
+    const std::vector<double> f = logarithm_at(table, s, vec3(0.0f));
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += f[i];
+  }
+  for (int l = 0; l < 4; ++l) {
+    double cross = 0.0, square = 0.0;
+    for (int i = sh::index(l, -l); i <= sh::index(l, l); ++i)
+      cross += bound[std::size_t(i)] * sum[std::size_t(i)], square += bound[std::size_t(i)] * bound[std::size_t(i)];
+    EXPECT_NEAR(cut[0].weight[std::size_t(l)], cross / square, 2e-3) << l;
+  }
+  EXPECT_LT(cut[0].weight[0], 0.8f) << "the bound alone would block too much";
+}
+
 TEST(ShHierarchy, ErrorIsSmall) {
   Scene scene = thinned(load_scene("torus-knot-lamps"), 32);
   const auto off = test::shade("sh-exponentiation", "simd", {"hierarchy=off"}, scene),

@@ -192,6 +192,15 @@ TEST_F(WaveletScenes, TableNormalsAreTenDegreesOff) {
   EXPECT_GT(test::difference(shade("wavelet", {"normals=table"}), shade("wavelet", {"normals=exact"})), 0.01);
 }
 
+TEST_F(WaveletScenes, TableNormalsAreTheNearestOfEightByEight) {
+  Scene tilted = thinned(scene(), 8);
+  for (int i = 0; i < tilted.receivers.size(); ++i)
+    tilted.receivers.normal[i] = glm::normalize(vec3(0.02f * float(i) - 0.6f, 1.0f, 0.3f - 0.03f * float(i % 9)));
+  const auto table = test::shade("wavelet", "scalar", {"normals=table", "visibility=raster"}, tilted);
+  for (vec3& normal : tilted.receivers.normal) normal = cube_texel_direction(cube_texel(normal, 8), 8);
+  EXPECT_EQ(table, test::shade("wavelet", "scalar", {"normals=exact", "visibility=raster"}, tilted));
+}
+
 TEST_F(WaveletScenes, NonsenseIsRefused) {
   const auto message = [](const std::string& name, const std::string& parameter) {
     return test::error_of([&] { shade(name, {parameter}); });
