@@ -26,6 +26,7 @@ import tomllib
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
+LONGEST = 3600  # s, of the tests: a fault may loop for ever
 
 
 def read_faults(path):
@@ -83,9 +84,9 @@ class Copy:
         if not self.build():
             sys.exit("the tree does not build as it is")
 
-    def _run(self, *command, must=False, **environment):
+    def _run(self, *command, must=False, seconds=None, **environment):
         result = subprocess.run([str(word) for word in command], cwd=self.tree, capture_output=True, text=True,
-                                env={**os.environ, **environment})
+                                timeout=seconds, env={**os.environ, **environment})
         if must and result.returncode != 0:
             sys.exit(f"{' '.join(map(str, command))}: {result.stdout[-2000:]}{result.stderr[-2000:]}")
         return result
@@ -95,11 +96,14 @@ class Copy:
                          "-j", self.jobs).returncode == 0
 
     def failing_tests(self, tests):
-        """Names of the tests that fail; [how it died] if the program did not end by itself."""
+        """Names of the tests that fail; [what happened] if the program did not end as it should."""
         # A cache of its own: what was computed before would hide the fault, what the fault computes would outlive it.
         with tempfile.TemporaryDirectory() as cache:
-            result = self._run("build/release/tests/penumbra_tests", "--gtest_brief=1",
-                               f"--gtest_filter={tests or '*'}", PENUMBRA_CACHE=cache)
+            try:
+                result = self._run("build/release/tests/penumbra_tests", "--gtest_brief=1",
+                                   f"--gtest_filter={tests or '*'}", seconds=LONGEST, PENUMBRA_CACHE=cache)
+            except subprocess.TimeoutExpired:
+                return [f"not done after {LONGEST} s"]
         if re.search(r"\] 0 tests from", result.stdout):
             sys.exit(f"no test is named '{tests}'")
         if result.returncode not in (0, 1):
