@@ -44,16 +44,11 @@ def read_faults(path):
     return faults, wrong
 
 
-def occurrences(fault, tree):
+def stale(fault, tree):
+    """What is wrong with the fault's text, or nothing."""
     path = tree / fault["file"]
-    return path.read_text().count(fault["find"]) if path.is_file() else 0
-
-
-def check(faults, tree):
-    """One message per fault whose text does not occur exactly once."""
-    counted = [(fault, occurrences(fault, tree)) for fault in faults]
-    return [f"{fault['name']}: its text occurs {count} times in {fault['file']}; must be once"
-            for fault, count in counted if count != 1]
+    count = path.read_text().count(fault["find"]) if path.is_file() else 0
+    return "" if count == 1 else f"its text occurs {count} times in {fault['file']}; must be once"
 
 
 def copy_tree(tree):
@@ -112,6 +107,8 @@ class Copy:
 
     def planted(self, fault):
         """Verdict and details of one fault; the copy is whole again afterwards."""
+        if message := stale(fault, self.tree):
+            return "stale", message
         path = self.tree / fault["file"]
         whole = path.read_text()
         try:
@@ -134,7 +131,8 @@ def main():
     options = parser.parse_args()
     faults, wrong = read_faults(options.list)
     chosen = [fault for fault in faults if re.search(options.only, fault["name"])]
-    wrong += check(chosen, ROOT) if not wrong else []
+    if options.check:
+        wrong += [f"{fault['name']}: {message}" for fault in chosen if (message := stale(fault, ROOT))]
     for message in wrong:
         print(f"faults: {message}", file=sys.stderr)
     if options.check or wrong:
