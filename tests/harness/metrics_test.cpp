@@ -171,8 +171,8 @@ TEST(Metrics, AgreeWithIndependentImplementations) {
   const std::vector<bool> all(clean.pixels.size(), true);
   const ErrorReport report =
       compare_images(noisy, clean, std::vector<Region>(all.size(), Region::lit), all, expected["exposure"]);
-  EXPECT_NEAR(*report.all.ssim, expected["ssim"], 1e-4);
-  EXPECT_NEAR(*report.all.flip, expected["flip"], 1e-3);
+  EXPECT_NEAR(*report.all.ssim, expected["ssim"], 2e-6);
+  EXPECT_NEAR(*report.all.flip, expected["flip"], 2e-6);
 }
 
 }  // namespace
