@@ -69,6 +69,27 @@ TEST(Animation, MovesWhatTheSceneSays) {
   EXPECT_NEAR(environment_of(light.frame(0).light)->rotation, 0.0, 1e-6);
 }
 
+/// Four corners of a square of 2 m on a quarter period: the whole amount, or what of it comes to their height.
+TEST(Animation, TwistsAndBendsByHand) {
+  Scene scene = test::sphere_scene({}, test::receivers_at({{0, 0, 0}}));
+  scene.mesh.positions = {{1, 0, 0}, {1, 2, 0}, {0, 2, 0}, {1, 1, 0}};
+  scene.mesh.triangles = {{0, 1, 2}, {0, 3, 2}};
+  const auto moved = [&](Motion::Kind kind, int frame, std::size_t vertex) {
+    scene.motion = {kind, float(pi / 2), 8.0f, 8};
+    return Animation(scene).frame(frame).mesh.positions[vertex];
+  };
+  const auto expect = [&](vec3 found, vec3 expected) { EXPECT_LT(glm::distance(found, expected), 1e-5f) << found.x; };
+  const float half = std::sqrt(0.5f);
+  expect(moved(Motion::Kind::twist, 2, 1), {0, 2, -1});        // on top all of the quarter turn: +x goes to -z
+  expect(moved(Motion::Kind::twist, 2, 3), {half, 1, -half});  // half of it half-way up
+  expect(moved(Motion::Kind::twist, 6, 1), {0, 2, 1});         // and back
+  expect(moved(Motion::Kind::twist, 4, 1), {1, 2, 0});         // half a period: at rest
+  expect(moved(Motion::Kind::bend, 2, 0), {1, 0, 0});
+  expect(moved(Motion::Kind::bend, 2, 2), {-2, 0, 0});  // about +z: what stood up lies along -x
+  expect(moved(Motion::Kind::bend, 2, 1), {-2, 1, 0});
+  expect(moved(Motion::Kind::bend, 6, 2), {2, 0, 0});
+}
+
 TEST(Animation, NormalsOfTheMeshGoWithIt) {
   Scene scene = test::sphere_scene({}, test::receivers_at({{0, 0, 0}}));
   scene.mesh = make_torus_knot();
