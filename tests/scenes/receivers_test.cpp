@@ -43,6 +43,20 @@ TEST(Receivers, CameraSeesMeshGroundAndNothing) {
   EXPECT_FALSE(make_receivers({camera, vec3(1.0f)}, make_sphere({0, 1, 0}, 1.0f)).valid(below));
 }
 
+/// Looking straight down from 1 m, 90 degrees high: two metres of ground in ten rows, and three times that in columns.
+TEST(Receivers, PixelsOfACameraAreSquare) {
+  Camera camera;
+  camera.eye = {0, 1, 0}, camera.target = vec3(0.0f);
+  camera.vertical_fov = 90.0f;
+  camera.width = 30, camera.height = 10;
+  camera.has_ground = true;
+  const Receivers r = make_receivers({camera, vec3(1.0f)}, {});
+  const auto at = [&](int x, int y) { return r.position[std::size_t(y * 30 + x)]; };
+  EXPECT_NEAR(glm::distance(at(0, 0), at(29, 0)), 29 * 0.2f, 1e-4f);
+  EXPECT_NEAR(glm::distance(at(0, 0), at(0, 9)), 9 * 0.2f, 1e-4f);
+  EXPECT_LT(glm::length(at(14, 4) + at(15, 5)), 1e-5f) << "the middle of the image is the target";
+}
+
 TEST(Animation, MovesWhatTheSceneSays) {
   Scene scene = test::sphere_scene({{{1, 2, 0}, 0.5f}}, test::receivers_at({{0, 0, 0}}));
   scene.motion = {Motion::Kind::rigid, float(pi / 2), 4.0f, 4};
