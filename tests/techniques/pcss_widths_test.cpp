@@ -67,6 +67,18 @@ TEST(PcssView, WidthsByHand) {
   EXPECT_EQ(view_of(make_disc({0, 4, 0}, {0, -1, 0}, 0.0f, vec3(1.0f)), settings).width(2.0f, 4.0f), 0.0f);
 }
 
+/// A box of depths 2 to 3 beside a lamp's axis: what holds for its middle holds for all rays.
+TEST(PcssView, ParallelRaysGoFromTheLampToTheMiddleOfTheOccluder) {
+  LightViewSettings settings;
+  settings.perspective = false;
+  std::size_t outside = 0;
+  const LightView view = make_light_view(lamp, make_box({0.5f, 1, -1.5f}, {1.0f, 2, -0.5f}),
+                                         receivers_at(row_of_points(-1, 1, 5)), settings, outside);
+  const vec3 to = vec3(0.75f, 1.5f, -1.0f) - lamp.centre, expected = to / 2.5f;
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(view.ray_direction(3, 7)[c], expected[c], 1e-6f) << c;
+  EXPECT_NEAR(view.width(2.0f, 4.0f) / view.density, 2.0 / 2.5, 1e-6) << "by the depth of the middle";
+}
+
 TEST(PcssView, TheMapReachesPastTheOccluderByItsMargin) {
   const auto places = [](double margin) {  // of the occluder's low and high corner, lamp edges from the map's corner
     LightViewSettings settings;
