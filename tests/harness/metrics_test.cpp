@@ -117,6 +117,9 @@ TEST(Metrics, ExposureBringsTheBrightestToEightTenths) {
   EXPECT_EQ(exposure_for(grey({0, 0}, 2), {true, true}), 1.0);
   EXPECT_NEAR(exposure_for(grey({0, 0}, 2), {true, true}, 4.0), 0.2, 1e-12) << "black: the light decides";
   EXPECT_NEAR(exposure_for(grey({0, 1e-18f}, 2), {true, true}, 4.0), 0.2, 1e-12);
+  std::vector<float> ramp(101);
+  std::iota(ramp.begin(), ramp.end(), 1.0f);
+  EXPECT_NEAR(exposure_for(grey(ramp, 101), std::vector<bool>(101, true)), 0.008, 1e-9) << "99 % of 0 to 100 is 99";
   std::vector<float> one(1000, 0.0f);
   one[7] = 1.6f;
   EXPECT_NEAR(exposure_for(grey(one, 100), std::vector<bool>(1000, true), 4.0), 0.5, 1e-6);
