@@ -95,6 +95,50 @@ TEST(Reference, ThirteenByThirteen) {
   }
 }
 
+/// A lamp of 1 x 1 at y = 2 over a half-plane at y = 1 that covers what lies beyond the edge 0 along an axis. From a
+/// receiver at r along it the edge hides what lies beyond -r of the lamp.
+Scene half_covered(int axis, bool beyond, const std::vector<float>& along) {
+  std::vector<vec3> positions(along.size(), vec3(0.0f));
+  for (std::size_t i = 0; i < along.size(); ++i) positions[i][axis] = along[i];
+  Scene scene = test::sphere_scene({}, test::receivers_at(positions));
+  scene.light = make_rectangle({0, 2, 0}, {1, 0, 0}, {0, 0, 1}, vec3(3.0f));
+  vec3 low(-50, 1, -50), high(50, 1.0001f, 50);
+  (beyond ? low : high)[axis] = 0.0f;
+  scene.mesh = make_box(low, high);
+  return scene;
+}
+
+/// Receivers a quarter of a cell to either side of where a centre comes into sight: edges of cells would give another
+/// number at half of them. Columns and rows, both sides: the count of centres, and the same mirrored.
+TEST(Reference, ThirteenByThirteenLooksAtTheCentresOfCells) {
+  std::vector<float> along;
+  for (int k = -7; k <= 7; ++k)
+    for (const float quarter : {-0.25f, 0.25f}) along.push_back((float(k) + quarter) / 13.0f);
+  for (const int axis : {0, 2})
+    for (const bool beyond : {false, true}) {
+      const Scene scene = half_covered(axis, beyond, along);
+      Animation animation(scene);
+      const Frame frame = animation.frame(0);
+      const Reference rung = compute_reference(frame, Rung::r13x13, {});
+      for (std::size_t i = 0; i < along.size(); ++i) {
+        int open = 0;
+        double arrives = 0.0;
+        for (int cell = 0; cell < 13; ++cell) {
+          const double at = (cell + 0.5) / 13.0 - 0.5;
+          if (beyond ? at > -double(along[i]) : at < -double(along[i])) continue;
+          ++open;
+          for (int other = 0; other < 13; ++other) {
+            const double across = (other + 0.5) / 13.0 - 0.5, beside = at - double(along[i]);
+            arrives += 3.0 * 4.0 / (pi * std::pow(4.0 + beside * beside + across * across, 2)) / 169.0;
+          }
+        }
+        EXPECT_NEAR(visibility_13x13(frame, int(i)) * 13.0f, float(open), 1e-4f) << axis << beyond << " " << along[i];
+        EXPECT_NEAR(double(rung.mean.pixels[i].x), arrives, 1e-5) << axis << beyond << " " << along[i];
+        EXPECT_NEAR(rung.mean.pixels[i].x, rung.mean.pixels[i].z, 1e-7f);
+      }
+    }
+}
+
 TEST(Reference, InapplicableRungsSayWhy) {
   Scene scene = resting_sphere();
   EXPECT_THROW(compute(scene, Rung::r13x13), Unsupported);

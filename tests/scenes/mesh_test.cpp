@@ -80,6 +80,18 @@ TEST(Mesh, FitScalesCentresAndGrounds) {
   EXPECT_EQ(fit_to(bounds(widened(box)), 0.0, false).scale, 1.0);
 }
 
+/// One vertex of a triangle of area 2 that faces up and of one of area 1/2 that faces along x.
+TEST(Mesh, VertexNormalsAreWeightedByArea) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {0, 0, 2}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
+  const vec3 expected = glm::normalize(vec3(0.5f, 2.0f, 0.0f)), found = vertex_normals(mesh)[0];
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 1e-6f);
+  mesh.normals = {{0, 0, 1}, {}, {}, {}, {}};
+  EXPECT_EQ(vertex_normals(mesh)[0], vec3(0, 0, 1)) << "its own comes first";
+  EXPECT_EQ(vertex_normals(mesh)[1], vec3(0, 1, 0));
+}
+
 TEST(Mesh, ObjAndPlyLoad) {
   test::TemporaryFolder folder;
   const std::string obj = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");

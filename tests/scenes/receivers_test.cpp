@@ -43,6 +43,20 @@ TEST(Receivers, CameraSeesMeshGroundAndNothing) {
   EXPECT_FALSE(make_receivers({camera, vec3(1.0f)}, make_sphere({0, 1, 0}, 1.0f)).valid(below));
 }
 
+/// Looking straight down from 1 m, 90 degrees high: two metres of ground in ten rows, and three times that in columns.
+TEST(Receivers, PixelsOfACameraAreSquare) {
+  Camera camera;
+  camera.eye = {0, 1, 0}, camera.target = vec3(0.0f);
+  camera.vertical_fov = 90.0f;
+  camera.width = 30, camera.height = 10;
+  camera.has_ground = true;
+  const Receivers r = make_receivers({camera, vec3(1.0f)}, {});
+  const auto at = [&](int x, int y) { return r.position[std::size_t(y * 30 + x)]; };
+  EXPECT_NEAR(glm::distance(at(0, 0), at(29, 0)), 29 * 0.2f, 1e-4f);
+  EXPECT_NEAR(glm::distance(at(0, 0), at(0, 9)), 9 * 0.2f, 1e-4f);
+  EXPECT_LT(glm::length(at(14, 4) + at(15, 5)), 1e-5f) << "the middle of the image is the target";
+}
+
 TEST(Animation, MovesWhatTheSceneSays) {
   Scene scene = test::sphere_scene({{{1, 2, 0}, 0.5f}}, test::receivers_at({{0, 0, 0}}));
   scene.motion = {Motion::Kind::rigid, float(pi / 2), 4.0f, 4};
@@ -67,6 +81,27 @@ TEST(Animation, MovesWhatTheSceneSays) {
   Animation light(scene);
   EXPECT_NEAR(environment_of(light.frame(5).light)->rotation, 0.5, 1e-6);
   EXPECT_NEAR(environment_of(light.frame(0).light)->rotation, 0.0, 1e-6);
+}
+
+/// Four corners of a square of 2 m on a quarter period: the whole amount, or what of it comes to their height.
+TEST(Animation, TwistsAndBendsByHand) {
+  Scene scene = test::sphere_scene({}, test::receivers_at({{0, 0, 0}}));
+  scene.mesh.positions = {{1, 0, 0}, {1, 2, 0}, {0, 2, 0}, {1, 1, 0}};
+  scene.mesh.triangles = {{0, 1, 2}, {0, 3, 2}};
+  const auto moved = [&](Motion::Kind kind, int frame, std::size_t vertex) {
+    scene.motion = {kind, float(pi / 2), 8.0f, 8};
+    return Animation(scene).frame(frame).mesh.positions[vertex];
+  };
+  const auto expect = [&](vec3 found, vec3 expected) { EXPECT_LT(glm::distance(found, expected), 1e-5f) << found.x; };
+  const float half = std::sqrt(0.5f);
+  expect(moved(Motion::Kind::twist, 2, 1), {0, 2, -1});        // on top all of the quarter turn: +x goes to -z
+  expect(moved(Motion::Kind::twist, 2, 3), {half, 1, -half});  // half of it half-way up
+  expect(moved(Motion::Kind::twist, 6, 1), {0, 2, 1});         // and back
+  expect(moved(Motion::Kind::twist, 4, 1), {1, 2, 0});         // half a period: at rest
+  expect(moved(Motion::Kind::bend, 2, 0), {1, 0, 0});
+  expect(moved(Motion::Kind::bend, 2, 2), {-2, 0, 0});  // about +z: what stood up lies along -x
+  expect(moved(Motion::Kind::bend, 2, 1), {-2, 1, 0});
+  expect(moved(Motion::Kind::bend, 6, 2), {2, 0, 0});
 }
 
 TEST(Animation, NormalsOfTheMeshGoWithIt) {

@@ -1,4 +1,7 @@
 // Scenes whose answer is known in closed form, for every way of finding blocked texels.
+#include <algorithm>
+#include <set>
+
 #include "scenes/cube_map.h"
 #include "techniques/bases/pixel_sum.h"
 #include "tests/support.h"
@@ -188,6 +191,27 @@ TEST(RayTracedSpheres, CapAndRestingSphereComeNearTheirClosedForms) {
       EXPECT_NEAR(e(test::cap_sphere({0, 1, 0}, theta)), 1.0 - std::pow(std::sin(theta), 2), 3e-3) << theta;
     EXPECT_NEAR(e({{1.0f, 0.5f, 0.0f}, 0.5f}), 1.0 - std::pow(5.0, -1.5), 3e-3);
     EXPECT_EQ(e({{0.1f, 0.2f, 0.0f}, 1.0f}), 0.0) << "inside the sphere";
+  }
+}
+
+/// Sixty-four receivers at one place: 8 x 8 sets of directions, each used once, and others for another seed.
+TEST(RayTraced, NeighboursUseSetsOfTheirOwn) {
+  Scene scene = test::sphere_scene({test::cap_sphere({0.3f, 1, 0.1f}, 0.6)}, {});
+  Environment softbox;
+  make_environment("softbox", softbox);
+  scene.light = softbox;
+  scene.receivers = test::receivers_at(std::vector<vec3>(256, vec3(0.0f)));
+  scene.receivers.width = scene.receivers.height = 16;
+  for (const char* backend : {"scalar", "simd"}) {
+    std::set<float> values[2];
+    for (const int seed : {0, 1})
+      for (const vec3& e : test::shade("ray-traced", backend, {"seed=" + std::to_string(seed)}, scene))
+        values[seed].insert(e.x);
+    std::vector<float> both;
+    std::set_intersection(values[0].begin(), values[0].end(), values[1].begin(), values[1].end(),
+                          std::back_inserter(both));
+    for (const auto& of_seed : values) EXPECT_EQ(of_seed.size(), 64u) << backend;
+    EXPECT_LT(both.size(), 4u) << backend << ": another seed, other directions";
   }
 }
 

@@ -1,5 +1,7 @@
 #include "techniques/bases/light_sampling.h"
 
+#include <algorithm>
+
 #include "scenes/ray_scene.h"
 #include "tests/support.h"
 
@@ -62,6 +64,46 @@ TEST(LightSampling, RotationTurnsTheSamples) {
     share += glm::length(turned_d - sb.samples[i].direction) < 1e-4f;
   }
   EXPECT_GT(share, 60);  // a sample may fall to the other side of a cell border by rounding
+}
+
+/// Equal strata of the sky in every set: how many of its samples lie to one side hardly varies. At random it would by
+/// half the root of their number.
+TEST(LightSampling, SamplesOfASkyAreSpread) {
+  const Light light = test::constant_environment();
+  const LightSampler sampler(light);
+  LightSampler::Scratch scratch;
+  constexpr int count = 256, sets = 64;
+  double squared[2] = {};
+  for (int set = 0; set < sets; ++set) {
+    sampler.draw(vec3(0.0f), {0, 1, 0}, count, std::uint64_t(set), scratch);
+    int side[2] = {};
+    for (const LightSample& s : scratch.samples) side[0] += s.direction.x > 0.0f, side[1] += s.direction.z > 0.0f;
+    for (int k = 0; k < 2; ++k) squared[k] += std::pow(side[k] - count / 2, 2) / sets;
+  }
+  for (const double s : squared) EXPECT_LT(std::sqrt(s), 0.5 * 0.5 * std::sqrt(count));
+}
+
+/// Hammersley points, shifted anew in every set: along either edge a lamp's points lie 1 / k apart.
+TEST(LightSampling, PointsOnALampAreEvenAlongBothEdges) {
+  const AreaLight lamp = make_rectangle({0, 1, 0}, {2, 0, 0}, {0, 0, 3}, vec3(1.0f));
+  const Light light = lamp;
+  const LightSampler sampler(light);
+  LightSampler::Scratch scratch;
+  std::vector<float> first;
+  for (const std::uint64_t stream : {1u, 2u}) {
+    sampler.draw(vec3(0.0f), {0, 1, 0}, 64, stream, scratch);
+    std::vector<float> along[2];
+    for (const LightSample& s : scratch.samples) {
+      const vec3 p = s.distance * s.direction;
+      along[0].push_back(p.x / 2.0f + 0.5f), along[1].push_back(p.z / 3.0f + 0.5f);
+    }
+    first.push_back(along[0][0]);
+    for (std::vector<float>& places : along) {
+      std::sort(places.begin(), places.end());
+      for (std::size_t i = 1; i < places.size(); ++i) EXPECT_NEAR(places[i] - places[i - 1], 1.0f / 64.0f, 1e-5f);
+    }
+  }
+  EXPECT_GT(std::abs(first[0] - first[1]), 1e-3f) << "every set has a shift of its own";
 }
 
 TEST(LightSampling, BlackLightGivesNothing) {

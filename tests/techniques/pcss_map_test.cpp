@@ -1,35 +1,11 @@
-// Parts of the shadow-map family against plain definitions: regions, multi-scale maps, quadtrees, samples, links, blur,
-// moments.
-#include <random>
+// Parts of the shadow-map family against plain definitions: regions, multi-scale maps, quadtrees, samples, links, blur.
 #include <set>
 
 #include "techniques/pcss/kernel.h"
-#include "tests/support.h"
+#include "tests/techniques/random_map.h"
 
 namespace penumbra::pcss {
 namespace {
-
-float unit(std::mt19937& random) {
-  return float(random() >> 8) * 0x1p-24f;
-}
-
-/// Depths in [1, 3), a third of the texels empty, in blobs so that squares are decided at every level.
-ShadowMap random_map(int edge, unsigned seed = 1) {
-  std::mt19937 random(seed);
-  ShadowMap map;
-  map.view.resolution = edge;
-  map.view.near = 1.0f;
-  map.depth.assign(map.index(0, edge), INFINITY);
-  for (int blob = 0; blob < 12; ++blob) {
-    const float x = unit(random) * float(edge), y = unit(random) * float(edge), r = 0.2f * unit(random) * float(edge);
-    const float z = 1.0f + 2.0f * unit(random);
-    for (int v = 0; v < edge; ++v)
-      for (int u = 0; u < edge; ++u)
-        if (std::hypot(float(u) - x, float(v) - y) < r)
-          map.depth[map.index(u, v)] = std::min(map.at(u, v), z + 0.02f * unit(random));
-  }
-  return map;
-}
 
 // --- regions ---------------------------------------------------------------------------------------------------------
 
@@ -132,6 +108,20 @@ TEST(PcssMultiScaleMap, EverySquareKnowsItsTexels) {
             if (std::isfinite(sum)) ASSERT_NEAR(levels.mean(square), sum / count, 1e-5);
           }
       }
+    }
+}
+
+TEST(PcssMultiScaleMap, NeededLevelsHoldEveryRegion) {
+  std::mt19937 random(29);
+  for (const int edge : {5, 64, 100})
+    for (int k = 0; k < 4000; ++k) {
+      const float widest = float(edge) * unit(random) * unit(random), width = widest * unit(random);
+      Snapping how;
+      how.inclusive = k % 2 == 0;
+      how.size = k % 4 < 2 ? Snapping::Size::nearest : Snapping::Size::up;
+      const Square square =
+          snap(float(edge) * unit(random), float(edge) * unit(random), width, edge, largest_level(edge), how);
+      EXPECT_LE(square.level, needed_level(widest, edge)) << width << " of " << widest << " on " << edge;
     }
 }
 
@@ -252,6 +242,23 @@ TEST(PcssSamples, ImageHasThePapersColumns) {
   EXPECT_EQ(first.size(), 8u) << "eight different variants";
 }
 
+/// A leaf's samples are one in each cell of it: 1, 2 x 2 or 4 x 4.
+TEST(PcssSamples, LeavesOfEverySizeHaveOneInEachCell) {
+  const ShadowMap map = random_map(64);
+  const LeafSamples samples(make_sample_image(), map);
+  for (int level = 0; level <= 6; ++level)
+    for (int variant = 0; variant < SampleImage::variants; ++variant) {
+      const int edge = 1 << level, count = SampleImage::count(edge), across = int(std::lround(std::sqrt(count)));
+      std::set<int> cells;
+      for (int k = 0; k < count; ++k) {
+        const int offset = samples.of(level, variant)[k], x = offset % map.stride(), y = offset / map.stride();
+        ASSERT_TRUE(x < edge && y < edge);
+        cells.insert(y * across / edge * across + x * across / edge);
+      }
+      EXPECT_EQ(int(cells.size()), count) << "level " << level << " variant " << variant;
+    }
+}
+
 TEST(PcssSamples, PatternsLieInTheirShapesAndSpread) {
   for (const auto& points : {poisson_disc(32), vogel_disc(32)}) {
     dvec3 mean(0.0);
@@ -360,57 +367,6 @@ TEST(PcssBlur, VectorisedIsTheSameToTheBit) {
     simd::blur_rows(image, kernel, 0, 9, b);
     simd::blur_columns(b, kernel, 0, 9, y.data());
     EXPECT_EQ(x, y) << width;
-  }
-}
-
-// --- moments ---------------------------------------------------------------------------------------------------------
-
-Moments moments_of(const std::vector<std::pair<double, double>>& depths) {
-  Moments b{};
-  for (const auto& [share, z] : depths)
-    for (int j = 0; j < 4; ++j) b[std::size_t(j)] += share * std::pow(z, j + 1);
-  return b;
-}
-
-TEST(PcssMoments, TwoDepthsAreFoundExactly) {
-  for (const double share : {0.1, 0.5, 0.9})
-    for (const double z0 : {0.4, 0.6, 0.85}) {
-      const MomentBlockers found = blockers_of_moments(biased(moments_of({{share, 0.3}, {1 - share, 1.0}}), 1e-9), z0);
-      EXPECT_NEAR(found.share, share, 1e-4);
-      EXPECT_NEAR(found.mean, 0.3, 1e-4);
-    }
-  EXPECT_LT(blockers_of_moments(biased(moments_of({{0.5, 0.3}, {0.5, 1.0}}), 1e-9), 0.2).share, 1e-4) << "in front";
-}
-
-TEST(PcssMoments, ABoundFromBelowForMoreDepths) {
-  std::mt19937 random(23);
-  for (int k = 0; k < 500; ++k) {
-    std::vector<std::pair<double, double>> depths;
-    for (int j = 0; j < 8; ++j) depths.emplace_back(0.125, double(unit(random)));
-    const double z0 = double(unit(random));
-    double nearer = 0.0;
-    for (const auto& [share, z] : depths) nearer += z < z0 ? share : 0.0;
-    const double found = blockers_of_moments(biased(moments_of(depths), 1e-9), z0).share;
-    EXPECT_GE(found, 0.0);
-    EXPECT_LE(found, nearer + 1e-5);
-  }
-}
-
-TEST(PcssMoments, TableGivesMeansOfRectangles) {
-  const ShadowMap map = random_map(20);
-  for (const bool parallel : {false, true}) {
-    MomentTable table;
-    table.build(map, 4.0f, parallel);
-    for (const Texels& t : {Texels{0, 20, 0, 20}, Texels{3, 4, 5, 6}, Texels{-5, 8, 10, 30}, Texels{50, 60, 0, 2}}) {
-      Moments sum{};
-      for (int y = t.top; y < t.bottom; ++y)
-        for (int x = t.left; x < t.right; ++x) {
-          const bool inside = x >= 0 && y >= 0 && x < 20 && y < 20;
-          const double z = inside ? std::clamp(table.normalised(map.at(x, y)), 0.0, 1.0) : 1.0;
-          for (int j = 0; j < 4; ++j) sum[std::size_t(j)] += std::pow(z, j + 1) / t.count();
-        }
-      for (std::size_t j = 0; j < 4; ++j) EXPECT_NEAR(table.mean(t)[j], sum[j], 1e-12);
-    }
   }
 }
 

@@ -1,67 +1,14 @@
 // The shadow-map family on scenes whose answer is known, and on scenes that ask for trouble.
 #include "scenes/ray_scene.h"
 #include "techniques/bases/area_irradiance.h"
-#include "tests/support.h"
+#include "tests/techniques/lamp_scenes.h"
 
 namespace penumbra {
 namespace {
 
+using namespace test;  // NOLINT: scenes under a lamp
+
 const char* const family[] = {"shadow-map", "pcss", "hqepcss", "fast-pcss", "pcss-rotated", "moment-shadows"};
-const char* const backends[] = {"scalar", "simd"};
-
-const AreaLight lamp = make_rectangle({0, 4, 0}, {1, 0, 0}, {0, 0, 1}, vec3(10.0f));
-
-/// A flat rectangle seen from above.
-Mesh plate(vec2 low, vec2 high, float y) {
-  Mesh mesh;
-  mesh.positions = {{low.x, y, low.y}, {low.x, y, high.y}, {high.x, y, high.y}, {high.x, y, low.y}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  return mesh;
-}
-
-Scene lamp_scene(const Mesh& mesh, const Receivers& receivers, const AreaLight& light = lamp) {
-  Scene scene;
-  scene.name = "test";
-  scene.mesh = mesh;
-  scene.receivers = receivers;
-  scene.receiver_spec.kind = PlaneGrid{};
-  scene.light = light;
-  return scene;
-}
-
-/// Radiance over unshadowed radiance.
-std::vector<double> visibility(const std::string& name, const std::string& backend,
-                               const std::vector<std::string>& parameters, const Scene& scene) {
-  const std::vector<vec3> image = test::shade(name, backend, parameters, scene);
-  const AreaLight& light = *area_light_of(scene.light);
-  const LampOutline outline = make_outline(light);
-  std::vector<double> result;
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    const float open = light.radiance.x * form_factor(outline, scene.receivers.position[i], scene.receivers.normal[i]);
-    result.push_back(open > 0.0f ? double(image[i].x / open) : 1.0);
-  }
-  return result;
-}
-
-std::vector<vec3> row_of_points(float from, float to, int count) {
-  std::vector<vec3> points;
-  for (int k = 0; k < count; ++k)
-    points.emplace_back(from + (to - from) * (float(k) + 0.5f) / float(count), 0.0f, 0.0f);
-  return points;
-}
-
-/// A half-plane at y = 1 whose edge lies below the middle of the lamp: clamp(1/2 + x d_z / (s (d_p - d_z)), 0, 1).
-void expect_ramp(const std::string& name, const std::vector<std::string>& parameters, double tolerance,
-                 const AreaLight& light, double s) {
-  const std::vector<vec3> points = row_of_points(-0.3f, 0.3f, 61);
-  const Scene scene = lamp_scene(plate({-1.5f, -1.5f}, {0.0f, 1.5f}, 1.0f), test::receivers_at(points), light);
-  for (const char* backend : backends) {
-    const std::vector<double> found = visibility(name, backend, parameters, scene);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      EXPECT_NEAR(found[i], std::clamp(0.5 + double(points[i].x) * 3.0 / s, 0.0, 1.0), tolerance)
-          << name << " " << backend << " at x = " << points[i].x;
-  }
-}
 
 TEST(Pcss, HalfPlaneGivesTheExactRamp) {
   expect_ramp("pcss", {}, 0.02, lamp, 1.0);

@@ -49,9 +49,14 @@ TEST(Parameters, AreChecked) {
   };
   EXPECT_EQ(resolve({}).integer("rays"), 64);
   EXPECT_EQ(resolve({"width=1"}).number("width"), 1.0);
+  EXPECT_EQ(resolve({"width=0"}).number("width"), 0.0);
+  for (const int rays : {1, 100}) EXPECT_EQ(resolve({"rays=" + std::to_string(rays)}).integer("rays"), rays);
   EXPECT_EQ(resolve({"mode=slow"}).text("mode"), "slow");
   const auto message = [&](const std::string& given) { return test::error_of([&] { resolve({given}); }); };
   EXPECT_NE(message("rays=0").find("[1, 100]"), std::string::npos);
+  EXPECT_NE(message("rays=101").find("[1, 100]"), std::string::npos);
+  EXPECT_NE(message("width=1.001").find("[0, 1]"), std::string::npos);
+  EXPECT_NE(message("width=-0.001").find("[0, 1]"), std::string::npos);
   EXPECT_NE(message("rays=1.5").find("rays"), std::string::npos);
   EXPECT_NE(message("rays=many").find("rays"), std::string::npos);
   EXPECT_NE(message("width=nan").find("width"), std::string::npos);

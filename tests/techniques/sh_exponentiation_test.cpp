@@ -283,12 +283,15 @@ TEST(ShSelfShadow, RuleOfRen2006) {
   const Shadow high = shadow({{0, 2, 0}, 1.0f});
   EXPECT_FLOAT_EQ(high.cosine, std::sqrt(0.75f));
   EXPECT_FLOAT_EQ(high.axis.y, 1.0f);
-  const Shadow half = shadow({{3, 0, 0}, 1.0f});  // becomes radius 0.5 at height 0.5
-  EXPECT_EQ(half.share, 1.0f);
-  EXPECT_NEAR(half.cosine, std::sqrt(1 - 0.25 / 9.25), 1e-6);
-  EXPECT_NEAR(half.axis.y, 0.5 / std::sqrt(9.25), 1e-6);
-  const Shadow sunk = shadow({{3, -0.5f, 0}, 1.0f});
-  EXPECT_NEAR(sunk.share, 0.5f, 1e-6f);
+  for (const double h : {-0.75, -0.5, 0.0, 0.5, 0.999, 1.0, 1.5}) {  // radius 1: below 1 it pokes through the plane
+    const double resting = h < 1.0 ? 0.5 * (1.0 + h) : 1.0, centre = h < 1.0 ? resting : h;
+    const double square = 9.0 + centre * centre;
+    const Shadow found = shadow({{3, float(h), 0}, 1.0f});
+    EXPECT_NEAR(found.share, h < 0.0 ? 1.0 + h : 1.0, 1e-6) << h;
+    EXPECT_NEAR(found.cosine, std::sqrt(1 - resting * resting / square), 1e-6) << h;
+    EXPECT_NEAR(found.axis.y, centre / std::sqrt(square), 1e-6) << h;
+    EXPECT_NEAR(found.axis.x, 3.0 / std::sqrt(square), 1e-6) << h;
+  }
   EXPECT_NEAR(shadow_of({{3, 0, 0}, 1.0f}, x, up, false, false).cosine, std::sqrt(1 - 1.0 / 9), 1e-6) << "kept";
 }
 
@@ -312,6 +315,40 @@ TEST(ShHierarchy, CutsAreFinerNearby) {
   }
   EXPECT_GT(weighted, 0) << "a bound blocks too much";
   EXPECT_TRUE(SphereTree(SphereSet{}).empty());
+}
+
+/// Logarithm of the visibility behind a sphere, as a receiver at x adds it.
+std::vector<double> logarithm_at(const LogTable& table, const Sphere& sphere, vec3 x) {
+  const vec3 to = sphere.centre - x;
+  const double sine = double(sphere.radius) / double(glm::length(to));
+  std::vector<double> f = sh::evaluate(table.order(), glm::normalize(dvec3(to)));
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] *= table.look_up(sh::band(int(i)), std::sqrt(1.0 - sine * sine));
+  return f;
+}
+
+/// A bound of four spheres that looks 14 degrees large stands for them: band by band the share of its logarithm that
+/// comes nearest to the sum of theirs.
+TEST(ShHierarchy, WeightsFitTheSumOfTheSpheres) {
+  const LogTable table(4);
+  const SphereSet set{
+      {{{-0.6f, 4, 0.1f}, 0.3f}, {{-0.2f, 4.1f, 0}, 0.25f}, {{0.3f, 3.9f, 0}, 0.35f}, {{0.7f, 4, 0}, 0.2f}}};
+  std::vector<WeightedSphere> cut;
+  SphereTree(set).cut(table, {vec3(0.0f), 0.01f}, cut);
+  ASSERT_EQ(cut.size(), 1u);
+  EXPECT_TRUE(cut[0].bound);
+  const std::vector<double> bound = logarithm_at(table, cut[0].sphere, vec3(0.0f));
+  std::vector<double> sum(bound.size(), 0.0);
+  for (const Sphere& s : set.spheres) {
+    const std::vector<double> f = logarithm_at(table, s, vec3(0.0f));
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += f[i];
+  }
+  for (int l = 0; l < 4; ++l) {
+    double cross = 0.0, square = 0.0;
+    for (int i = sh::index(l, -l); i <= sh::index(l, l); ++i)
+      cross += bound[std::size_t(i)] * sum[std::size_t(i)], square += bound[std::size_t(i)] * bound[std::size_t(i)];
+    EXPECT_NEAR(cut[0].weight[std::size_t(l)], cross / square, 2e-3) << l;
+  }
+  EXPECT_LT(cut[0].weight[0], 0.8f) << "the bound alone would block too much";
 }
 
 TEST(ShHierarchy, ErrorIsSmall) {

@@ -62,6 +62,27 @@ TEST_P(ShLighting, TheBackOfAMeshIsBlack) {
   EXPECT_LT(direct[0].x, 0.9f) << "it is in the way";
 }
 
+/// A triangle overhead, lit from below, whose normals leave light to its first vertex alone: a point just under it sees
+/// the first barycentric coordinate.
+TEST_P(ShLighting, BouncesAreInterpolatedBetweenTheirVertices) {
+  Scene scene = test::sphere_scene({}, {});
+  Environment below = test::constant_environment();
+  for (int i = 0; i < int(below.radiance.size()); ++i)
+    if (below.direction(i, 0.5f, 0.5f).y > 0.0f) below.radiance[std::size_t(i)] = vec3(0.0f);
+  scene.light = below;
+  const vec3 corner[3] = {{-20, 1, -10}, {20, 1, -10}, {0, 1, 20}};
+  scene.mesh.positions.assign(corner, corner + 3);
+  scene.mesh.triangles = {{0, 1, 2}};
+  scene.mesh.normals = {{0, -1, 0}, {0, 1, 0}, {0, 1, 0}};
+  const dvec3 places[] = {{0.6, 0.3, 0.1}, {0.2, 0.2, 0.6}, {0.25, 0.6, 0.15}};
+  std::vector<vec3> points;
+  for (const dvec3& w : places)
+    points.push_back(float(w.x) * corner[0] + float(w.y) * corner[1] + float(w.z) * corner[2] - vec3(0, 0.05f, 0));
+  scene.receivers = test::receivers_at(points);
+  const auto image = shaded(scene, {"transfer=interreflected", "directions=2500", "order=6"});
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(double(image[i].x), places[i].x, 0.06) << i;
+}
+
 TEST_P(ShLighting, TurningSceneAndLightTogetherChangesNothing) {
   Scene scene = thinned(load_scene("torus-knot-lamps"), 8);
   const auto still = shaded(scene, {"transfer=unshadowed"}), shadowed = shaded(scene, {});

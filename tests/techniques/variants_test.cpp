@@ -3,6 +3,8 @@
 #include <hwy/targets.h>
 #include <tbb/task_arena.h>
 
+#include <set>
+
 #include "cuda/host/registry.h"
 #include "harness/measure/parity.h"
 #include "scenes/error.h"
@@ -12,12 +14,29 @@
 namespace penumbra {
 namespace {
 
-/// The values to test of one parameter: every choice; one other value of a number.
+/// Between the default and the end of the range that is farther from it, in the middle; of a range over decades in the
+/// middle of the exponents.
+double between(double fallback, double low, double high) {
+  const bool decades = low > 0.0 && high / low > 100.0;
+  const double to_low = decades ? fallback / low : fallback - low,
+               to_high = decades ? high / fallback : high - fallback;
+  const double end = to_low > to_high ? low : high;
+  return decades ? std::sqrt(fallback * end) : 0.5 * (fallback + end);
+}
+
+/// The values to test of one parameter: every choice; of a number the default and one other value.
 std::vector<ParameterValue> values_to_test(const Parameter& p) {
   if (!p.allowed.empty()) return p.allowed;
   if (std::holds_alternative<int>(p.fallback))
     return {p.fallback, std::clamp(17, int(p.low), int(std::min(p.high, 1e9)))};
+  if (const double* fallback = std::get_if<double>(&p.fallback)) return {*fallback, between(*fallback, p.low, p.high)};
   return {p.fallback};
+}
+
+/// Both ends of the range of a real parameter.
+std::vector<ParameterValue> ends_of(const Parameter& p) {
+  if (!std::holds_alternative<double>(p.fallback)) return {};
+  return {p.low, p.high};
 }
 
 /// Kernels may be executed on the host, which takes its time: small tables, and scenes of a quarter.
@@ -28,9 +47,11 @@ int edge(const Entry& entry, int usual) {
   return executed_on_host(entry) ? std::max(4, usual / 2) : usual;
 }
 
+using Values = std::vector<ParameterValue> (*)(const Parameter&);
+
 /// The default set, and for every parameter each of its other values. More rays than 100, or texels of a shadow map,
 /// only take longer.
-std::vector<Parameters> parameter_sets(const Entry& entry) {
+std::vector<Parameters> parameter_sets(const Entry& entry, Values values = values_to_test) {
   std::vector<Parameters> sets = {Parameters().resolve(entry.parameters, entry.title())};
   for (const Parameter& p : entry.parameters)
     if (p.unit == "rays") sets[0].set(p.name, std::min(100, sets[0].integer(p.name)));
@@ -38,7 +59,7 @@ std::vector<Parameters> parameter_sets(const Entry& entry) {
     if (p.name == "map") sets[0].set(p.name, executed_on_host(entry) ? 64 : 128);
     else if (p.name == "resolution" && executed_on_host(entry)) sets[0].set(p.name, 16);
   for (const Parameter& p : entry.parameters)
-    for (const ParameterValue& value : values_to_test(p)) {
+    for (const ParameterValue& value : values(p)) {
       const bool takes_longer = value == p.fallback && (p.unit == "rays" || p.name == "map");
       if (takes_longer || value == sets[0].all().at(p.name)) continue;
       sets.push_back(sets[0]);
@@ -53,12 +74,13 @@ struct Case {
   friend void PrintTo(const Case& c, std::ostream* out) { *out << c.entry.title() << " " << c.parameters.describe(); }
 };
 
-std::vector<Case> all_cases() {
+std::vector<Case> all_cases(Values values, bool with_default) {
   std::vector<Case> cases;
   const Registry registry = cuda_on_host::make_registry();
   for (const Entry& entry : registry.entries()) {
     if (!entry.unavailable.empty()) continue;
-    for (const Parameters& parameters : parameter_sets(entry)) cases.push_back({entry, parameters});
+    const std::vector<Parameters> sets = parameter_sets(entry, values);
+    for (std::size_t k = with_default ? 0 : 1; k < sets.size(); ++k) cases.push_back({entry, sets[k]});
   }
   return cases;
 }
@@ -89,17 +111,20 @@ class EveryVariant : public testing::TestWithParam<Case> {
   }
 };
 
-TEST_P(EveryVariant, EqualsItsScalarTwin) {
-  if (GetParam().entry.backend == "scalar" || !make()) GTEST_SKIP();
+void expect_scalar_twin(const Case& variant, int receivers) {
   static const Registry registry = cuda_on_host::make_registry();
   for (const bool area : {false, true}) {
-    const Scene& scene = scene_for(GetParam().entry, area);
-    if (!GetParam().entry.lights.accepts(scene.light)) continue;
-    EXPECT_LE(parity_with_scalar(registry, GetParam().entry, GetParam().parameters,
-                                 thinned(scene, edge(GetParam().entry, 32))),
-              GetParam().entry.parity)
+    const Scene& scene = scene_for(variant.entry, area);
+    if (!variant.entry.lights.accepts(scene.light)) continue;
+    const Scene small = thinned(scene, edge(variant.entry, receivers));
+    EXPECT_LE(parity_with_scalar(registry, variant.entry, variant.parameters, small), variant.entry.parity)
         << scene.name;
   }
+}
+
+TEST_P(EveryVariant, EqualsItsScalarTwin) {
+  if (GetParam().entry.backend == "scalar" || !make()) GTEST_SKIP();
+  expect_scalar_twin(GetParam(), 32);
 }
 
 TEST_P(EveryVariant, RaggedReceiverCountsGiveThePrefix) {
@@ -182,7 +207,43 @@ TEST_P(EveryVariant, ReportsItsFootprint) {
   EXPECT_GT(technique->footprint().total(), 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, EveryVariant, testing::ValuesIn(all_cases()), readable);
+INSTANTIATE_TEST_SUITE_P(Registry, EveryVariant, testing::ValuesIn(all_cases(values_to_test, true)), readable);
+
+// --- the ends of real parameters' ranges
+// ------------------------------------------------------------------------------
+
+// There are many, so what takes longest is not asked of them.
+class EveryEnd : public EveryVariant {};
+
+TEST_P(EveryEnd, IsFiniteForAnyThreadsAndEqualsItsScalarTwin) {
+  const auto technique = make();
+  if (!technique) GTEST_SKIP();
+  const Scene scene = thinned(scene_for(GetParam().entry, false), edge(GetParam().entry, 16));
+  std::vector<vec3> one, two;
+  tbb::task_arena(1).execute([&] { one = test::shade(*technique, scene); });
+  tbb::task_arena(2).execute([&] { two = test::shade(*technique, scene); });
+  EXPECT_EQ(one, two);
+  for (const vec3& radiance : one)
+    for (int c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(radiance[c]));
+  if (GetParam().entry.backend != "scalar") expect_scalar_twin(GetParam(), 16);
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, EveryEnd, testing::ValuesIn(all_cases(ends_of, false)), readable);
+
+/// The walk itself.
+TEST(Variants, RealParametersAreWalked) {
+  const Parameter even = number_parameter("x", 1.0, 0.0, 4.0, "", ""),
+                  decades = number_parameter("x", 1e-6, 1e-10, 1.0, "", "");
+  EXPECT_EQ(values_to_test(even), (std::vector<ParameterValue>{1.0, 2.5}));
+  EXPECT_NEAR(std::get<double>(values_to_test(decades)[1]), 1e-3, 1e-15);
+  EXPECT_EQ(ends_of(decades), (std::vector<ParameterValue>{1e-10, 1.0}));
+  const Registry registry = make_registry();
+  std::set<double> scales;
+  for (const Values values : {values_to_test, ends_of})
+    for (const Parameters& parameters : parameter_sets(registry.find("pcss", "scalar"), values))
+      scales.insert(parameters.number("light_scale"));
+  EXPECT_EQ(scales, (std::set<double>{0.0, 1.0, 8.5, 16.0}));
+}
 
 // One run per instruction set present.
 TEST(InstructionSets, AllAgree) {
@@ -207,6 +268,34 @@ TEST(InstructionSets, AllAgree) {
         hwy::SetSupportedTargetsForTest(0);
         hwy::GetChosenTarget().Update(hwy::SupportedTargets());
       }
+    }
+  }
+}
+
+/// A parameter that is read in another's place changes nothing. One end of its range against the other, for receivers
+/// on the ground and on the mesh. (Other backends equal this one.)
+TEST(Variants, EveryRealParameterMatters) {
+  const Registry registry = make_registry();
+  for (const Entry& entry : registry.entries()) {
+    const std::vector<Parameters> sets = parameter_sets(entry, ends_of);
+    if (entry.backend != "simd" || sets.size() == 1) continue;
+    const Scene ground = thinned(scene_for(entry, false), 16);
+    Scene mesh = ground;
+    mesh.receivers = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh.mesh);
+    for (const Parameter& p : entry.parameters) {
+      if (ends_of(p).empty()) continue;
+      bool matters = false;
+      for (const Scene* scene : std::initializer_list<const Scene*>{&ground, &mesh}) {
+        if (matters) continue;
+        std::vector<vec3> image[2];
+        for (int k = 0; k < 2; ++k) {
+          Parameters parameters = sets[0];
+          parameters.set(p.name, ends_of(p)[std::size_t(k)]);
+          image[k] = test::shade(*entry.make(parameters), *scene);
+        }
+        matters = test::difference(image[0], image[1]) > 1e-5;
+      }
+      EXPECT_TRUE(matters) << entry.title() << " " << p.name;
     }
   }
 }

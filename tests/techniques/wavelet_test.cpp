@@ -105,6 +105,50 @@ TEST(SparseProduct, KeepsTheLargest) {
   EXPECT_LE(level_sum[1], level_sum[0]) << "gamma prefers coarse wavelets";
 }
 
+/// A wavelet of each level, made by hand so that every gamma ranks them otherwise: 1, 3, 5, 9 from coarse to fine.
+Function one_of_each_level() {
+  Function f(n, std::vector<double>(6 * n * n, 0.0));
+  for (const auto& [index, value] : {std::pair(1, 1.0f), {5, -3.0f}, {17, 5.0f}, {65, -9.0f}})
+    f.coefficients[std::size_t(2 * n * n + index)] = value;
+  return f;
+}
+
+std::vector<int> levels_of(const std::vector<Term>& terms) {
+  std::vector<int> levels;
+  for (const Term& t : terms) levels.push_back(haar::place_of(t.index).square.level);
+  return levels;
+}
+
+TEST(SparseProduct, GammaIsTheExponentOfTheRanking) {
+  const Function f = one_of_each_level();
+  EXPECT_EQ(levels_of(keep_largest(f, 4, 0.0)), (std::vector<int>{3, 2, 1, 0})) << "9 5 3 1";
+  EXPECT_EQ(levels_of(keep_largest(f, 4, 0.5)), (std::vector<int>{3, 2, 1, 0})) << "3.2 2.5 2.1 1";
+  EXPECT_EQ(levels_of(keep_largest(f, 4, 1.0)), (std::vector<int>{1, 2, 3, 0})) << "1.5 1.25 1.125 1";
+  EXPECT_EQ(levels_of(keep_largest(f, 4, 1.5)), (std::vector<int>{1, 0, 2, 3})) << "1.06 1 0.6 0.4";
+  EXPECT_EQ(levels_of(keep_largest(f, 4, 2.0)), (std::vector<int>{0, 1, 2, 3})) << "1 0.75 0.3 0.14";
+}
+
+TEST(SparseProduct, EqualTermsGoByTheirPlace) {
+  Function f(n, std::vector<double>(6 * n * n, 0.0));
+  for (const int at : {3 * n * n + 2, n * n + 7, n * n + 5}) f.coefficients[std::size_t(at)] = at % 2 ? 2.0f : -2.0f;
+  const auto kept = keep_largest(f, 3, 0.0);
+  EXPECT_EQ((std::array{kept[0].face, kept[1].face, kept[2].face}), (std::array{1, 1, 3}));
+  EXPECT_EQ((std::array{kept[0].index, kept[1].index, kept[2].index}), (std::array{5, 7, 2}));
+}
+
+TEST(SparseProduct, EffectIsTheSizeTimesThatOfThePartnersUnderTheLight) {
+  const Function p = one_of_each_level();
+  std::vector<Function> light(1, Function(n, std::vector<double>(6 * n * n, 1.0)));
+  EXPECT_EQ(levels_of(keep_largest_effect(p, light, 4)), (std::vector<int>{1, 2, 3, 0})) << "its mean, 2^-level";
+  // A wavelet of the light on the square of the second: 5 (1/4 + 1/2); its mother is another.
+  const auto [square, mother] = haar::place_of(17);
+  light[0].coefficients[std::size_t(2 * n * n + haar::coefficient_index(square, (mother + 1) % 3))] = -0.5f;
+  EXPECT_EQ(levels_of(keep_largest_effect(p, light, 4)), (std::vector<int>{2, 1, 3, 0}));
+  light.push_back(Function(n, std::vector<double>(6 * n * n, 0.0)));  // another channel: a wavelet over the first
+  light[1].coefficients[std::size_t(2 * n * n + 1)] = 3.0f;
+  EXPECT_EQ(levels_of(keep_largest_effect(p, light, 4)), (std::vector<int>{0, 2, 1, 3})) << "channels add up";
+}
+
 class WaveletScenes : public testing::Test {
  protected:
   static const Scene& scene() {
@@ -146,6 +190,15 @@ TEST_F(WaveletScenes, TableNormalsAreTenDegreesOff) {
   const vec3 entry = cube_texel_direction(cube_texel({0, 1, 0}, 8), 8);
   EXPECT_NEAR(std::acos(entry.y) * 180 / pi, 10.02, 0.01);
   EXPECT_GT(test::difference(shade("wavelet", {"normals=table"}), shade("wavelet", {"normals=exact"})), 0.01);
+}
+
+TEST_F(WaveletScenes, TableNormalsAreTheNearestOfEightByEight) {
+  Scene tilted = thinned(scene(), 8);
+  for (int i = 0; i < tilted.receivers.size(); ++i)
+    tilted.receivers.normal[i] = glm::normalize(vec3(0.02f * float(i) - 0.6f, 1.0f, 0.3f - 0.03f * float(i % 9)));
+  const auto table = test::shade("wavelet", "scalar", {"normals=table", "visibility=raster"}, tilted);
+  for (vec3& normal : tilted.receivers.normal) normal = cube_texel_direction(cube_texel(normal, 8), 8);
+  EXPECT_EQ(table, test::shade("wavelet", "scalar", {"normals=exact", "visibility=raster"}, tilted));
 }
 
 TEST_F(WaveletScenes, NonsenseIsRefused) {
