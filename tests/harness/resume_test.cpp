@@ -23,6 +23,20 @@ TEST_F(Runs, ResumeKeepsGoodRowsAndMeasuresTheRest) {
   EXPECT_EQ(read_results(out()).rows.size(), 2u);
 }
 
+TEST_F(Runs, ResumeMeasuresAnewWhatFailedOrHasTooFewRepetitions) {
+  const std::string suite = suite_text({{"good", "scalar"}});
+  run(suite);
+  for (const char* fault : {"short", "failed"}) {
+    Results results = read_results(out());
+    if (fault == std::string("short")) results.rows[0].timing.frame_ms.pop_back();
+    else results.rows[0].status = "failed: once";
+    write_results(out(), results);
+    EXPECT_EQ(run(suite, true), 0);
+    EXPECT_TRUE(row("good").ok()) << fault;
+    EXPECT_EQ(row("good").timing.frame_ms.size(), 2u) << fault;
+  }
+}
+
 TEST_F(Runs, ResumeMeasuresAnewWhenTheSceneChanged) {
   run(suite_text({{"good", "scalar"}}));
   const std::string key = row("good").facts.scene_key;
