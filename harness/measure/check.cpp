@@ -82,6 +82,7 @@ Row empty_row(const Variant& variant, const SceneContext& context, const Suite& 
   row.id.receivers = std::size_t(scene.receivers.size());
   row.facts.scene_key = context.key();
   row.facts.key = measurement_key(context.key(), row.id, suite);
+  if (const std::string why = reason_to_skip(*variant.entry, scene.light); !why.empty()) row.status = "skipped: " + why;
   return row;
 }
 
@@ -89,10 +90,7 @@ Checked check(const Variant& variant, const SceneContext& context, const Suite& 
               const std::string& sheet_file) {
   Checked c;
   c.row = empty_row(variant, context, suite);
-  if (const std::string why = reason_to_skip(*variant.entry, context.scene().light); !why.empty()) {
-    c.row.status = "skipped: " + why;
-    return c;
-  }
+  if (!c.row.ok()) return c;
   try {
     c.technique = make_technique(*variant.entry, variant.parameters);
     shade(context, c);

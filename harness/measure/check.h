@@ -14,7 +14,7 @@ struct Checked {
   Image image;                           ///< of the scored frame
 };
 
-/// Nothing measured yet.
+/// Nothing measured yet; skipped if the variant cannot run here or shade the light.
 Row empty_row(const Variant& variant, const SceneContext& context, const Suite& suite);
 
 /// Prepares (timed) and shades; refuses images that are not finite or differ from the scalar twin's; scores. Never

@@ -28,7 +28,7 @@ class SceneJobs {
 
   const SceneContext& context() const { return context_; }
 
-  /// Takes over what is finished; false if nothing else is left.
+  /// Takes over what is finished, and what cannot be measured; false if nothing else is left.
   bool take_over(const std::vector<Row>& earlier, std::size_t& kept) {
     std::vector<std::string> names;
     for (const Job& job : planned_.jobs) {
@@ -39,7 +39,8 @@ class SceneJobs {
         return old.ok() && old.facts.key == row.facts.key && old.id.name() == row.id.name() &&
                int(old.timing.frame_ms.size()) >= plan_.repetitions;
       });
-      if (at == earlier.end()) todo_.insert(job.variant);
+      if (!row.ok()) folder_.add(row);
+      else if (at == earlier.end()) todo_.insert(job.variant);
       else folder_.add(*at), ++kept;
     }
     folder_.expect(names);
