@@ -14,6 +14,7 @@ A line a fault:
 Exits 1 unless every fault was caught. --check only looks for the texts, in this tree, and takes no time.
 """
 import argparse
+import fcntl
 import os
 import pathlib
 import re
@@ -73,7 +74,12 @@ class Copy:
 
     def __init__(self, folder, jobs):
         self.tree, self.jobs = folder, jobs
-        self.tree.mkdir(parents=True, exist_ok=True)
+        (self.tree / "build").mkdir(parents=True, exist_ok=True)
+        self.lock = open(self.tree / "build/lock", "w")
+        try:
+            fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            sys.exit(f"{folder}: faults are being planted there already; name another folder with --build")
         copy_tree(self.tree)
         self._run("cmake", "--preset", "release", "-DPENUMBRA_TESTS=ON", must=True)
         if not self.build():

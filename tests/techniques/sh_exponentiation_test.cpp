@@ -244,6 +244,23 @@ INSTANTIATE_TEST_SUITE_P(EveryWay, ShExponentiation,
                          testing::Values(Way{"scalar", "hybrid"}, Way{"simd", "hybrid"}, Way{"scalar", "exact"},
                                          Way{"simd", "exact"}, Way{"simd", "power-series"}));
 
+/// Large logarithms: a series that ends too early, or steps that are too long, show here and not under a small
+/// occluder.
+TEST(ShExponential, BackendsAreExactWhereMuchIsBlocked) {
+  std::vector<Sphere> spheres;
+  for (const vec3 axis : {vec3(0, 1, 0), vec3(1, 0.8f, 0), vec3(-0.9f, 1, 0.2f), vec3(0, 1, 1), vec3(0.1f, 0.9f, -1)})
+    spheres.push_back(test::cap_sphere(axis, 0.55));
+  const Scene scene =
+      test::sphere_scene(spheres, test::receivers_at({vec3(0.0f), vec3(0.1f, 0, 0), vec3(-1, 0, 0.3f)}));
+  for (const char* order : {"order=4", "order=6"}) {
+    const std::vector<std::string> exact = {"exponential=exact", "hierarchy=off", order};
+    const auto scalar = test::shade("sh-exponentiation", "scalar", exact, scene);
+    for (const char* backend : {"simd", "cuda"})
+      EXPECT_LT(test::difference(test::shade("sh-exponentiation", backend, exact, scene), scalar), 1e-4)
+          << backend << " " << order;
+  }
+}
+
 TEST(ShGuard, NotANumberIsCountedAndBlack) {
   for (const char* backend : {"scalar", "simd"})
     for (const char* kind : {"exponential=hybrid", "exponential=optimal-linear", "exponential=power-series"}) {
