@@ -51,9 +51,7 @@ vec3 moved_normal(const Motion& motion, const Bounds& rest, vec3 p, vec3 normal,
 
 }  // namespace
 
-Animation::Animation(const Scene& scene)
-    : scene_(scene),
-      rest_(bounds(scene.mesh)) {
+Animation::Animation(const Scene& scene) : scene_(scene), rest_(bounds(scene.mesh)) {
   if (scene.motion.kind == Motion::Kind::rotate_light) light_ = scene.light;
   if (!deforms()) return;
   mesh_ = scene.mesh, spheres_ = scene.spheres;
