@@ -85,6 +85,12 @@ inline std::vector<vec3> shade(const std::string& name, const std::string& backe
   return shade(*technique, scene);
 }
 
+inline Image grey(const std::vector<float>& values, int width) {
+  Image image{width, int(values.size()) / width, {}};
+  for (const float v : values) image.pixels.emplace_back(v);
+  return image;
+}
+
 /// Relative RMS difference of two images.
 inline double difference(const std::vector<vec3>& a, const std::vector<vec3>& b) {
   double squared = 0.0, energy = 0.0;

@@ -10,11 +10,7 @@
 namespace penumbra {
 namespace {
 
-Image grey(const std::vector<float>& values, int width) {
-  Image image{width, int(values.size()) / width, {}};
-  for (const float v : values) image.pixels.emplace_back(v);
-  return image;
-}
+using test::grey;
 
 // By hand: differences 0.1, -0.3, 0, 0 in every channel against the reference 1, 1, 2, 0.
 TEST(Metrics, HandComputed) {

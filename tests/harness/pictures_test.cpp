@@ -5,11 +5,7 @@
 namespace penumbra {
 namespace {
 
-Image grey(const std::vector<float>& values, int width) {
-  Image image{width, int(values.size()) / width, {}};
-  for (const float v : values) image.pixels.emplace_back(v);
-  return image;
-}
+using test::grey;
 
 void expect_near(vec3 found, vec3 expected) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 1e-5f);

@@ -9,7 +9,7 @@
 #include "harness/results/metrics.h"
 #include "scenes/ray_scene.h"
 #include "techniques/bases/area_irradiance.h"
-#include "tests/support.h"
+#include "tests/techniques/lamp_scenes.h"
 
 namespace penumbra {
 namespace {
@@ -31,12 +31,7 @@ Receivers plane(int n, float unit = 1.0f, vec3 normal = {0, 1, 0}) {
 
 Reference truth_of(const AreaLight& light, const Receivers& receivers, const Mesh& mesh = {},
                    ReferenceSettings settings = {}) {
-  Scene scene;
-  scene.name = "test";
-  scene.mesh = mesh;
-  scene.receivers = receivers;
-  scene.receiver_spec.kind = PlaneGrid{};
-  scene.light = light;
+  const Scene scene = test::lamp_scene(mesh, receivers, light);
   Animation animation(scene);
   return compute_reference(animation.frame(0), Rung::truth, settings);
 }
