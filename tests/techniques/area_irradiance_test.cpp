@@ -1,6 +1,8 @@
 // Unshadowed light of lamps in closed form.
 #include "techniques/bases/area_irradiance.h"
 
+#include <hwy/targets.h>
+
 #include <algorithm>
 #include <random>
 
@@ -177,12 +179,19 @@ TEST(AreaIrradiance, VectorsOfReceiversGetTheSame) {
       r.position[i] = vec3(place(random), 0.5f * place(random), place(random));
       r.normal[i] = i % 50 == 49 ? vec3(0.0f) : i % 3 ? vec3(random_direction(random)) : vec3(0, 1, 0);
     }
-    std::vector<float> found(std::size_t(r.size()), -1.0f);
-    pcss::simd::find_unshadowed(outline, r, 0, 500, found.data());
-    pcss::simd::find_unshadowed(outline, r, 500, r.size(), found.data());
-    for (int i = 0; i < r.size(); ++i)
-      EXPECT_NEAR(found[i], r.valid(i) ? form_factor(outline, r.position[i], r.normal[i]) : 0.0f, 2e-6f) << i;
+    for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      std::vector<float> found(std::size_t(r.size()), -1.0f);
+      pcss::simd::find_unshadowed(outline, r, 0, 500, found.data());
+      pcss::simd::find_unshadowed(outline, r, 500, r.size(), found.data());
+      for (int i = 0; i < r.size(); ++i)
+        EXPECT_NEAR(found[i], r.valid(i) ? form_factor(outline, r.position[i], r.normal[i]) : 0.0f, 2e-6f)
+            << i << " on " << hwy::TargetName(target);
+    }
   }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 TEST(AreaIrradiance, DiscsOfAnyUnit) {
