@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <map>
 #include <optional>
 #include <set>
 #include <thread>
@@ -42,10 +44,10 @@ class Tables {
 };
 
 /// Writes rows and tables. Empty, or why that failed.
-std::string save(ResultsFolder& folder, const Tables& tables, bool over) {
-  if (std::string why = folder.save(over); !why.empty()) return why;
+std::string save(ResultsFolder& folder, const Tables& tables) {
+  if (std::string why = folder.save(); !why.empty()) return why;
   try {
-    write_atomically(folder.directory() + "/table.md", tables.of(folder.rows()));
+    write_atomically(folder.directory() + "/table.md", tables.of(folder.all_rows()));
     return "";
   } catch (const std::exception& e) {
     return e.what();
@@ -69,12 +71,33 @@ void warn_of_load(const nlohmann::json& context) {
                  context.at("load_avg").at(0).get<double>(), context.at("num_cpus").get<int>());
 }
 
-/// Rows of an earlier run that may stand under today's context. Says why if there are none.
-std::vector<Row> comparable_rows(const std::string& directory, const nlohmann::json& context) {
+/// Scene and variant of everything that a suite measures, whatever a filter leaves of it.
+std::set<std::string> all_of(const Suite& suite) {
+  std::set<std::string> names;
+  const Plan whole = make_plan(suite, ".*", 0);
+  for (const PlannedScene& scene : whole.scenes)
+    for (const Variant& variant : suite.variants)
+      names.insert(scene.outline.name + "/" + identity_of(scene.outline, variant).variant());
+  return names;
+}
+
+/// Rows of an earlier run of the suite that may stand under today's context, which keeps the mark of a busy machine. Of
+/// scenes in `keys`, only those whose truth is still the same. Says why if there are none.
+std::vector<Row> comparable_rows(const std::string& directory, const Suite& suite,
+                                 const std::map<std::string, std::string>& keys, nlohmann::json& context) {
   Results earlier = read_results(directory);
-  if (earlier.rows.empty()) return {};
   const std::string why = difference(earlier.context, context);
-  if (why.empty()) return earlier.rows;
+  if (earlier.rows.empty()) return {};
+  if (why.empty()) {
+    const std::set<std::string> known = all_of(suite);
+    std::erase_if(earlier.rows, [&](const Row& row) {
+      const auto at = keys.find(row.id.scene);
+      return !row.ok() || !known.contains(row.id.scene + "/" + row.id.variant()) ||
+             (at != keys.end() && !row.facts.scene_key.starts_with(at->second));
+    });
+    if (earlier.context.value("busy", false)) context["busy"] = true;
+    return earlier.rows;
+  }
   spdlog::warn("{}/results.json: none of its {} rows is kept, all is measured again: {}", directory,
                earlier.rows.size(), why);
   return {};
@@ -89,21 +112,28 @@ std::string all_skipped_because(const std::vector<Row>& rows) {
   return fmt::format("{}", fmt::join(reasons, "; "));
 }
 
+void say_what_is_kept(const ResultsFolder& folder) {
+  const std::vector<Row> rows = folder.all_rows();
+  say(fmt::format("interrupted: {} finished rows are in {}/results.json; --resume goes on\n",
+                  std::count_if(rows.begin(), rows.end(), [](const Row& row) { return row.ok(); }),
+                  folder.directory()));
+}
+
 int finish(ResultsFolder& folder, const Tables& tables) {
-  const bool stopped = interrupted();
-  const std::string unwritten = save(folder, tables, !stopped);
-  const std::vector<Row> rows = folder.rows();
-  fmt::print("{}", tables.of(rows));
-  if (!unwritten.empty()) fmt::print(stderr, "the results are not on disk: {}\n", unwritten);
-  if (stopped) {
-    fmt::print(stderr, "interrupted: {} finished rows are in {}/results.json; --resume goes on\n", rows.size(),
-               folder.directory());
+  const std::string unwritten = save(folder, tables);
+  std::fputs(tables.of(folder.all_rows()).c_str(), stdout);
+  const bool unprinted = std::fflush(stdout) != 0;
+  if (unprinted) say(fmt::format("the tables could not be printed; they are in {}/table.md\n", folder.directory()));
+  if (!unwritten.empty()) say(fmt::format("the results are not on disk: {}\n", unwritten));
+  if (interrupted()) {
+    say_what_is_kept(folder);
     return 130;
   }
+  const std::vector<Row> rows = folder.rows();
   const std::string skipped = all_skipped_because(rows);
-  if (!skipped.empty()) fmt::print(stderr, "nothing was measured, every row was skipped: {}\n", skipped);
+  if (!skipped.empty()) say(fmt::format("nothing was measured, every row was skipped: {}\n", skipped));
   const bool failed = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.failed(); });
-  return !unwritten.empty() || !skipped.empty() || failed ? 1 : 0;
+  return unprinted || !unwritten.empty() || !skipped.empty() || failed ? 1 : 0;
 }
 
 }  // namespace
@@ -111,22 +141,21 @@ int finish(ResultsFolder& folder, const Tables& tables) {
 int run_suite(const Suite& suite, const Registry& registry, const RunOptions& options) {
   const Tables tables(suite);
   const Plan plan = make_plan(suite, options.filter, options.repetitions);
-  check_scenes(plan);
+  const std::map<std::string, std::string> keys = check_scenes(plan);
   nlohmann::json context = machine_context();
   context["suite"] = suite.name;
   ResultsFolder folder(options.directory);
-  const std::vector<Row> earlier = options.resume ? comparable_rows(options.directory, context) : std::vector<Row>();
+  const std::vector<Row> earlier =
+      options.resume ? comparable_rows(options.directory, suite, keys, context) : std::vector<Row>();
   warn_of_threads(plan);
   warn_of_load(context);
   folder.begin(context, earlier);
   {
-    const InterruptWatch watch(
-        [] { fmt::print(stderr, "\nstopping; what is finished is kept (once more: stop at once)\n"); },
-        [&] {
-          save(folder, tables, false);
-          fmt::print(stderr, "interrupted: {} finished rows are in {}/results.json; --resume goes on\n",
-                     folder.rows().size(), folder.directory());
-        });
+    const InterruptWatch watch([] { say("\nstopping; what is finished is kept (once more: stop at once)\n"); },
+                               [&] {
+                                 save(folder, tables);
+                                 say_what_is_kept(folder);
+                               });
     const std::size_t kept = execute(plan, registry, earlier, folder);
     if (!earlier.empty()) spdlog::info("{} of {} rows of the earlier run were kept", kept, earlier.size());
   }

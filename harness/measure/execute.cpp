@@ -36,12 +36,11 @@ class SceneJobs {
       const Row row = empty_row(variant(job), context_, *plan_.suite);
       names.push_back(row.id.name());
       const auto at = std::find_if(earlier.begin(), earlier.end(), [&](const Row& old) {
-        return old.ok() && old.facts.key == row.facts.key && old.id.name() == row.id.name() &&
-               int(old.timing.frame_ms.size()) >= plan_.repetitions;
+        return old.id.name() == row.id.name() && may_stand_for(old, row);
       });
       if (!row.ok()) folder_.add(row);
       else if (at == earlier.end()) todo_.insert(job.variant);
-      else folder_.add(*at), ++kept;
+      else folder_.add(*at), ++kept, partial_ = true;
     }
     folder_.expect(names);
     return !todo_.empty();
@@ -52,7 +51,7 @@ class SceneJobs {
       stop_if_interrupted();
       do_job(job);
     }
-    images_.save_overview();
+    if (!partial_) images_.save_overview();  // of all variants, or as it was
     time_checked();
   }
 
@@ -66,6 +65,13 @@ class SceneJobs {
   }
 
  private:
+  /// Is what was measured then what would be measured now?
+  bool may_stand_for(const Row& old, const Row& now) const {
+    const std::size_t samples = old.timing.frame_ms.size();
+    return old.ok() && old.facts.key == now.facts.key && samples >= std::size_t(plan_.repetitions) &&
+           old.timing.update_ms.size() == samples && old.timing.shade_ms.size() == samples;
+  }
+
   const Variant& variant(const Job& job) const { return plan_.suite->variants[job.variant]; }
 
   void do_job(const Job& job) {
@@ -97,6 +103,7 @@ class SceneJobs {
   }
 
   void check_variant(const Job& job) {
+    folder_.save_if_due();
     if (!ready_) {
       context_.finish_references(progress_);
       images_.save_truth();
@@ -128,7 +135,12 @@ class SceneJobs {
       finish(variant, c.row);
     };
     time_items(items, context_.scene(), plan_.repetitions,
-               {[&] { progress_.step(context_.scene().name + ": timing"); }, finished});
+               {[&] {
+                  if (interrupted()) return;
+                  progress_.step(context_.scene().name + ": timing");
+                  folder_.save_if_due();
+                },
+                finished});
   }
 
   const Plan& plan_;
@@ -138,6 +150,7 @@ class SceneJobs {
   Progress& progress_;
   SceneContext context_;
   SceneImages images_;
+  bool partial_ = false;                                  ///< was some row taken over?
   bool ready_ = false;                                    ///< are all references there?
   std::set<std::size_t> todo_;                            ///< variants that have no row yet
   std::vector<std::pair<std::size_t, Checked>> checked_;  ///< with their variants
@@ -171,11 +184,12 @@ void run_scene(const Plan& plan, const PlannedScene& planned, const Registry& re
     progress.step(planned.jobs.front().key);
     jobs.emplace(plan, planned, registry, folder, progress);
     if (!seen.insert(jobs->context().folder()).second)
-      return progress.note(fmt::format("{}: a fit of {} spheres needs no more than {}, which are measured already",
+      return progress.note(fmt::format("{}: a fit of {} spheres needs no more than {}, which had their turn",
                                        planned.outline.name, planned.outline.spheres,
                                        jobs->context().scene().spheres.size()));
     if (jobs->take_over(earlier, kept)) jobs->run();
   } catch (const std::exception& e) {
+    stop_if_interrupted();  // it may have taken a child process along
     progress.note(fmt::format("scene {}: failed: {}", planned.outline.name, e.what()));
     if (jobs) jobs->fail(e.what());
     else fail_scene(plan, planned, e.what(), folder);
@@ -184,11 +198,13 @@ void run_scene(const Plan& plan, const PlannedScene& planned, const Registry& re
 
 }  // namespace
 
-void check_scenes(const Plan& plan) {
-  std::set<std::string> files;
+std::map<std::string, std::string> check_scenes(const Plan& plan) {
+  std::map<std::string, std::string> keys;
   for (const PlannedScene& scene : plan.scenes)
-    if (files.insert(scene.outline.file).second)
-      load_scene(scene.listed, {scene.choice.count, scene.choice.objective, false});
+    if (!keys.contains(scene.outline.name))
+      keys[scene.outline.name] =
+          truth_key(load_scene(scene.listed, {scene.choice.count, scene.choice.objective, false}), *plan.suite);
+  return keys;
 }
 
 std::size_t execute(const Plan& plan, const Registry& registry, const std::vector<Row>& earlier,

@@ -7,8 +7,9 @@
 
 namespace penumbra {
 
-/// Loads every scene of a plan once, without its fit, to find wrong input before anything is measured. Throws Error.
-void check_scenes(const Plan& plan);
+/// Loads every scene of a plan once, without its fit, to find wrong input before anything is measured. Returns
+/// truth_key() by name of scene. Throws Error.
+std::map<std::string, std::string> check_scenes(const Plan& plan);
 
 /// Does what is left to do: a row of `earlier` with the same name and key and at least as many repetitions is taken
 /// over, and jobs that only such rows

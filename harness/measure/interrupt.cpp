@@ -16,9 +16,10 @@ volatile std::sig_atomic_t asked = 0;
 std::atomic<bool> over = false;  // the watch is about to go
 sem_t news;                      // of a signal or of the end: the only thing that a signal handler may tell a thread
 
-void ask(int signal) {
+void ask(int) {
   asked = 1;
-  std::signal(signal, SIG_DFL);
+  std::signal(SIGINT, SIG_DFL);  // the next one, of either kind, ends the program
+  std::signal(SIGTERM, SIG_DFL);
   sem_post(&news);
 }
 
@@ -56,6 +57,7 @@ InterruptWatch::InterruptWatch(std::function<void()> asked_now, std::function<vo
   asked = 0, over = false;
   sem_init(&news, 0, 0);
   thread_ = std::thread([this] { watch(); });
+  std::signal(SIGPIPE, SIG_IGN);  // whoever read our messages may have gone with the same Ctrl-C
   std::signal(SIGINT, ask);
   std::signal(SIGTERM, ask);
 }
@@ -63,6 +65,7 @@ InterruptWatch::InterruptWatch(std::function<void()> asked_now, std::function<vo
 InterruptWatch::~InterruptWatch() {
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGPIPE, SIG_DFL);
   over = true;
   sem_post(&news);
   thread_.join();
@@ -73,7 +76,7 @@ void InterruptWatch::watch() {
   wait_for_news();
   if (over) return;
   asked_();
-  if (wait_for_news(patience)) return;
+  if (wait_for_news(patience) && over) return;
   late_();
   std::fflush(nullptr);
   _exit(130);

@@ -166,12 +166,16 @@ Plan make_plan(const Suite& suite, const std::string& filter, int repetitions) {
   return plan;
 }
 
-std::string measurement_key(const std::string& scene_key, const RowIdentity& id, const Suite& suite) {
+std::string measurement_key(const std::string& scene_key, const Motion& motion, const RowIdentity& id,
+                            const Suite& suite) {
   const std::string text = fmt::format("{}|{}|{}|noise {}|sequence {}|attribution {}|baseline {}", scene_key, id.name(),
                                        id.receivers, suite.truth_noise, suite.sequence, suite.attribution,
                                        suite.baseline ? suite.baseline->label() : "none");
   ContentHash hash;
   hash.add(std::vector<char>(text.begin(), text.end()));
+  hash.add_value(int(motion.kind)), hash.add_value(int(motion.carry));
+  hash.add_value(motion.amount), hash.add_value(motion.period), hash.add_value(motion.frames);
+  hash.add_vec(motion.centre);
   return hash.digest();
 }
 

@@ -49,8 +49,9 @@ RowIdentity identity_of(const SceneOutline& scene, const Variant& variant);
 /// "resolution" of a variant's parameters, 32 if it has none.
 int resolution_of(const Parameters& parameters);
 
-/// SHA-1 over all that a row depends on but the program and the machine: the content of its scene (`scene_key`), the
-/// variant, and what the suite wants to know of it.
-std::string measurement_key(const std::string& scene_key, const RowIdentity& id, const Suite& suite);
+/// SHA-1 over all that a row depends on but the program and the machine: the content of its scene (`scene_key` and the
+/// motion), the variant, and what the suite wants to know of it.
+std::string measurement_key(const std::string& scene_key, const Motion& motion, const RowIdentity& id,
+                            const Suite& suite);
 
 }  // namespace penumbra

@@ -7,6 +7,11 @@
 
 namespace penumbra {
 
+void say(const std::string& text) {
+  std::fputs(text.c_str(), stderr);
+  std::fflush(stderr);
+}
+
 Progress::Progress(int steps)
     : terminal_(isatty(STDERR_FILENO)), steps_(steps), start_(std::chrono::steady_clock::now()) {}
 
@@ -15,7 +20,7 @@ Progress::~Progress() {
 }
 
 void Progress::clear() {
-  if (terminal_) fmt::print(stderr, "\r\033[K");
+  if (terminal_) say("\r\033[K");
 }
 
 void Progress::step(const std::string& what) {
@@ -23,10 +28,9 @@ void Progress::step(const std::string& what) {
   clear();
   if (terminal_) {
     const std::string left = done_ > 0 ? fmt::format(", about {:.0f} s left", seconds / done_ * (steps_ - done_)) : "";
-    fmt::print(stderr, "[{}/{}{}] {}", done_ + 1, steps_, left, what);
-    std::fflush(stderr);
+    say(fmt::format("[{}/{}{}] {}", done_ + 1, steps_, left, what));
   } else {
-    fmt::print(stderr, "[{}/{}, {:.0f} s] {}\n", done_ + 1, steps_, seconds, what);
+    say(fmt::format("[{}/{}, {:.0f} s] {}\n", done_ + 1, steps_, seconds, what));
   }
   ++done_;
 }
@@ -34,17 +38,16 @@ void Progress::step(const std::string& what) {
 void Progress::share(const std::string& what, double share) {
   if (terminal_) {
     clear();
-    fmt::print(stderr, "{}, {:.0f} %", what, 100.0 * share);
-    std::fflush(stderr);
+    say(fmt::format("{}, {:.0f} %", what, 100.0 * share));
   } else if (what != last_) {
-    fmt::print(stderr, "{}\n", what);
+    say(fmt::format("{}\n", what));
   }
   last_ = what;
 }
 
 void Progress::note(const std::string& text) {
   clear();
-  fmt::print(stderr, "{}\n", text);
+  say(fmt::format("{}\n", text));
 }
 
 void Progress::note_once(const std::string& text) {

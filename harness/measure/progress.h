@@ -7,6 +7,9 @@
 
 namespace penumbra {
 
+/// Writes to stderr; that nobody can read it must not end a run.
+void say(const std::string& text);
+
 class Progress {
  public:
   explicit Progress(int steps = 0);

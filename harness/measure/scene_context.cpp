@@ -12,14 +12,33 @@
 
 namespace penumbra {
 
+namespace {
+
+Frame scored_frame(Animation& animation) {
+  return animation.frame(animation.frames() / 3);
+}
+
+ReferenceSettings settings_of(const Suite& suite) {
+  ReferenceSettings settings;
+  settings.truth_noise = suite.truth_noise;
+  return settings;
+}
+
+}  // namespace
+
+std::string truth_key(const Scene& scene, const Suite& suite) {
+  Animation animation(scene);
+  return reference_key(scored_frame(animation), Rung::truth, settings_of(suite));
+}
+
 SceneContext::SceneContext(Scene scene, const Suite& suite)
     : scene_(std::move(scene)),
+      settings_(settings_of(suite)),
       animation_(scene_),
-      frame_(animation_.frame(animation_.frames() / 3)),
+      frame_(scored_frame(animation_)),
       valid_(valid_receivers(frame_.receivers)),
       light_(light_scale(frame_.light, frame_.receivers)),
       black_(black_level(frame_.light, frame_.receivers)) {
-  settings_.truth_noise = suite.truth_noise;
   key_ = reference_key(frame_, Rung::truth, settings_);
   if (!scene_.spheres.empty()) key_ += "-" + reference_key(frame_, Rung::spheres, settings_);
 }

@@ -7,6 +7,9 @@
 
 namespace penumbra {
 
+/// Hash of all that the truth of a scene's scored frame depends on; spheres are not part of it.
+std::string truth_key(const Scene& scene, const Suite& suite);
+
 class SceneContext {
  public:
   SceneContext(Scene scene, const Suite& suite);

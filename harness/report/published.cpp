@@ -116,8 +116,8 @@ std::string make_published_table(const PublishedTable& table, const std::vector<
       const auto at = published.find(device);
       text += at == published.end() ? " | |" : fmt::format(" {} | {:.3g} |", at->second, fps / at->second);
     }
-    text +=
-        fmt::format(" {} | {} | {} |\n", rung_text(row, "spheres"), rung_text(row, "cube"), rung_text(row, "truth"));
+    text += fmt::format(" {} | {} | {} |\n", rung_or_tie(row, "spheres"), rung_or_tie(row, "cube"),
+                        rung_or_tie(row, "truth"));
   }
   return text;
 }

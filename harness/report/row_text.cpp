@@ -32,6 +32,7 @@ std::string spheres_text(const RowIdentity& id) {
 }
 
 std::string milliseconds_text(const Timing& timing) {
+  if (timing.frame_ms.size() < 2) return fmt::format("**{:.3f}**", timing.median_frame_ms());
   return fmt::format("**{:.3f}** ±{:.2g}", timing.median_frame_ms(), timing.frame_spread_ms());
 }
 

@@ -15,7 +15,7 @@ std::string telling_parameters(const Row& row, const std::vector<const Row*>& ro
 /// How many spheres and what they were fitted for; empty if the variant does not look at them.
 std::string spheres_text(const RowIdentity& id);
 
-/// "12.345 ±0.012": median and half the interquartile range.
+/// "**12.345** ±0.012": median and half the interquartile range, which one sample does not have.
 std::string milliseconds_text(const Timing& timing);
 
 /// A relative error in percent; "undefined" where it is 0 / 0.

@@ -21,7 +21,7 @@ std::string make_steps_table(const std::vector<Row>& rows) {
       steps += fmt::format("{}{} {:.3g} ({:.0f})", steps.empty() ? "" : ", ", step.name, 100.0 * step.rel_rmse,
                            100.0 * step.share);
     text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", row.id.scene, row.id.variant(), spheres_text(row.id),
-                        geometry_text(row), steps, rung_text(row, "spheres"), rung_text(row, "truth"));
+                        geometry_text(row), steps, rung_text(row, "spheres"), rung_or_tie(row, "truth"));
   }
   return text;
 }

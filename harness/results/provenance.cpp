@@ -5,9 +5,9 @@
 namespace penumbra {
 namespace {
 
-constexpr const char* fields[] = {"commit",           "dirty",           "program",     "cpu_name",    "num_cpus",
-                                  "instruction_sets", "compiler",        "flags",       "build_type",  "cuda",
-                                  "cuda_device",      "cuda_capability", "cuda_driver", "cuda_runtime"};
+constexpr const char* fields[] = {"suite",    "commit",           "dirty",           "program",     "cpu_name",
+                                  "num_cpus", "instruction_sets", "compiler",        "flags",       "build_type",
+                                  "cuda",     "cuda_device",      "cuda_capability", "cuda_driver", "cuda_runtime"};
 
 std::string value(const nlohmann::json& context, const char* field) {
   if (!context.contains(field)) return "none";

@@ -44,10 +44,10 @@ Results read_results(const std::string& directory) {
   try {
     Results results;
     const json file = json::parse(std::ifstream(path));
-    results.context = file.at("context");
-    for (const json& row : file.at("benchmarks")) results.rows.push_back(row_from_json(row));
+    results.context = file.at("context").get<json::object_t>();
+    for (const json& row : file.at("benchmarks").get<json::array_t>()) results.rows.push_back(row_from_json(row));
     return results;
-  } catch (const json::exception& e) {
+  } catch (const std::exception& e) {
     throw Error("{}: not a results file of this version ({}); move it away or run without --resume", path, e.what());
   }
 }

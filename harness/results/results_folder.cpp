@@ -17,6 +17,13 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+std::vector<Row> rows_not_in(const std::map<std::string, Row>& finished, const std::vector<Row>& rows) {
+  std::vector<Row> others;
+  for (const Row& row : rows)
+    if (!finished.contains(row.id.name())) others.push_back(row);
+  return others;
+}
+
 /// Held until it is closed, be it by the end of the process.
 int locked_file(const std::string& path, const std::string& directory) {
   const int file = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
@@ -29,6 +36,7 @@ int locked_file(const std::string& path, const std::string& directory) {
 }  // namespace
 
 ResultsFolder::ResultsFolder(std::string directory) : directory_(std::move(directory)) {
+  if (directory_.empty()) throw Error("--out is empty; allowed is a folder");
   std::error_code failure;
   std::filesystem::create_directories(directory_ + "/images", failure);
   if (failure) throw Error("{}: cannot be made: {}", directory_, failure.message());
@@ -52,9 +60,17 @@ void ResultsFolder::expect(const std::vector<std::string>& names) {
 }
 
 void ResultsFolder::add(const Row& row) {
+  {
+    const std::lock_guard guard(mutex_);
+    finished_.insert_or_assign(row.id.name(), row);
+    unsaved_ = true;
+  }
+  save_if_due();
+}
+
+void ResultsFolder::save_if_due() {
   const std::lock_guard guard(mutex_);
-  finished_.insert_or_assign(row.id.name(), row);
-  if (now() - saved_ > 1.0) save_locked(false);
+  if (unsaved_ && now() - saved_ > 1.0) save_locked();
 }
 
 std::vector<Row> ResultsFolder::ordered() const {
@@ -69,15 +85,21 @@ std::vector<Row> ResultsFolder::rows() const {
   return ordered();
 }
 
-std::string ResultsFolder::save(bool over) {
+std::vector<Row> ResultsFolder::all_rows() const {
   const std::lock_guard guard(mutex_);
-  return save_locked(over);
+  return merged(ordered(), rows_not_in(finished_, waiting_));
 }
 
-std::string ResultsFolder::save_locked(bool over) {
+std::string ResultsFolder::save() {
+  const std::lock_guard guard(mutex_);
+  return save_locked();
+}
+
+std::string ResultsFolder::save_locked() {
   saved_ = now();
+  unsaved_ = false;
   try {
-    write_results(directory_, {context_, merged(over ? std::vector<Row>() : waiting_, ordered())});
+    write_results(directory_, {context_, merged(ordered(), rows_not_in(finished_, waiting_))});
     return "";
   } catch (const std::exception& e) {
     return e.what();

@@ -19,24 +19,26 @@ class ResultsFolder {
   ResultsFolder(const ResultsFolder&) = delete;
   ResultsFolder& operator=(const ResultsFolder&) = delete;
 
-  /// Throws away what was added; `waiting`: rows of an earlier run, which stay on disk until they are measured anew or
-  /// the run is over.
+  /// Throws away what was added; `waiting`: rows of an earlier run, which stay on disk until they are measured anew.
   void begin(nlohmann::json context, const std::vector<Row>& waiting);
   /// The order that rows have in the file, whatever order they finish in. Names come behind those that are known.
   void expect(const std::vector<std::string>& names);
   /// A finished row. Saves all if that was not done for a second.
   void add(const Row& row);
+  /// Saves if rows have been added, and not for a second.
+  void save_if_due();
   /// Rows of this run so far.
   std::vector<Row> rows() const;
-  /// Writes results.json; `over`: without rows that still wait. Empty, or why it cannot be written: a full disk must
-  /// not end a run.
-  std::string save(bool over = false);
+  /// The same, and those that wait: what the file holds.
+  std::vector<Row> all_rows() const;
+  /// Writes results.json. Empty, or why it cannot be written: a full disk must not end a run.
+  std::string save();
 
   const std::string& directory() const { return directory_; }
 
  private:
   std::vector<Row> ordered() const;
-  std::string save_locked(bool over);
+  std::string save_locked();
 
   std::string directory_;
   int lock_ = -1;
@@ -45,6 +47,7 @@ class ResultsFolder {
   std::vector<std::string> order_;
   std::map<std::string, Row> finished_;
   std::vector<Row> waiting_;
+  bool unsaved_ = false;
   double saved_ = 0.0;  ///< seconds of the steady clock
 };
 

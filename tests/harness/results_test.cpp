@@ -132,7 +132,7 @@ TEST(Results, UndefinedErrorsAreNeitherZeroNorBest) {
   EXPECT_NE(make_baseline_table("cube", {fast}).find("| undefined |"), std::string::npos);
   Row with_steps = fast;
   with_steps.score.steps = {{"light", 0.02, 1.0}};
-  EXPECT_NE(make_steps_table({with_steps}).find("| undefined | light 2 (100) | undefined | undefined |"),
+  EXPECT_NE(make_steps_table({with_steps}).find("| undefined | light 2 (100) | undefined | undefined (RMSE 0.0027) |"),
             std::string::npos);
 }
 
@@ -156,6 +156,9 @@ TEST(Results, SpreadIsHalfTheInterquartileRange) {
   EXPECT_EQ(spread({7}), 0.0);
   EXPECT_EQ(spread({}), 0.0);
   Row row = row_with("a", 10, 0.1);
+  Row once = row;
+  once.timing.frame_ms = {10};
+  EXPECT_NE(make_table({once}).find("**10.000** |"), std::string::npos) << "one sample has no spread";
   EXPECT_NE(make_table({row}).find("**10.000** ±0.5 |"), std::string::npos) << make_table({row});
   EXPECT_EQ(to_json(row)["frame_spread_ms"], 0.5);
 }
@@ -209,7 +212,7 @@ TEST(Results, MergingReplacesByNameAndIsAssociative) {
 TEST(Provenance, RowsOfAnotherProgramOrMachineDoNotMix) {
   const nlohmann::json now = machine_context();
   nlohmann::json then = now;
-  then["load_avg"] = {9.0}, then["date"] = "yesterday", then["suite"] = "other";
+  then["load_avg"] = {9.0}, then["date"] = "yesterday";
   EXPECT_EQ(difference(then, now), "") << "these may differ";
   for (const char* field : {"commit", "dirty", "program", "cpu_name", "num_cpus", "instruction_sets", "compiler",
                             "flags", "build_type", "cuda"}) {
@@ -234,10 +237,15 @@ TEST(ResultsFolder, KeepsRowsInOrderAndOneWriter) {
   EXPECT_EQ(folder.rows()[0].id.technique, "a") << "as expected, not as finished";
   EXPECT_EQ(folder.save(), "");
   EXPECT_EQ(read_results(path).rows.size(), 3u) << "what waits is still there";
-  EXPECT_EQ(folder.save(true), "");
+  EXPECT_EQ(folder.all_rows().size(), 3u);
   const Results saved = read_results(path);
-  ASSERT_EQ(saved.rows.size(), 2u);
-  EXPECT_EQ(saved.rows[1].timing.frame_ms[0], 7);
+  EXPECT_EQ(saved.rows[1].timing.frame_ms[0], 7) << "the new one, not the one that waited";
+  EXPECT_EQ(saved.rows[2].id.technique, "old");
+  folder.add(row_with("old", 9, 0.1));
+  folder.expect({row_with("old", 1, 0.1).id.name()});
+  EXPECT_EQ(folder.save(), "");
+  ASSERT_EQ(read_results(path).rows.size(), 3u);
+  EXPECT_EQ(read_results(path).rows[2].timing.frame_ms[0], 9);
   EXPECT_EQ(saved.context["suite"], "s");
 }
 

@@ -1,4 +1,6 @@
 // Runs that are resumed, interrupted, or in each other's way.
+#include <fmt/format.h>
+
 #include <set>
 
 #include "tests/harness/runs.h"
@@ -83,6 +85,51 @@ TEST_F(Runs, ResumeKeepsNoRowOfOtherThreadsOrSettings) {
   const std::string key = row("good").facts.key;
   EXPECT_EQ(run("attribution = true\n" + suite, true), 0);
   EXPECT_NE(row("good").facts.key, key) << "a suite that asks for more measures again";
+}
+
+TEST_F(Runs, ResumeLeavesAloneWhatTheFilterLeavesOut) {
+  const std::string suite = suite_text({{"good", "scalar"}, {"spy", "scalar"}});
+  run(suite);
+  const auto before = row("spy").timing.frame_ms;
+  EXPECT_EQ(run(suite, true, "/good/"), 0);
+  ASSERT_EQ(read_results(out()).rows.size(), 2u);
+  EXPECT_EQ(row("spy").timing.frame_ms, before);
+  EXPECT_NE(table_.find("| spy |"), std::string::npos) << "tables show what the file holds";
+  folder_.write("scene.toml", scene_named("tiny", "environment = \"softbox\""));
+  EXPECT_EQ(run(suite, true, "/good/"), 0);
+  EXPECT_EQ(read_results(out()).rows.size(), 1u) << "but not what was measured on another scene";
+}
+
+TEST_F(Runs, ResumeMeasuresAnewWhenTheMotionChanged) {
+  const auto moving = [&](int frames) {
+    return folder_.write("moving.toml", scene_named("moving", constant) +
+                                            fmt::format("[motion]\nkind = \"rigid\"\nframes = {}\n", frames));
+  };
+  EXPECT_EQ(run(suite_of({moving(3)})), 0);
+  const std::string key = row("good").facts.key, scene = row("good").facts.scene_key;
+  EXPECT_EQ(run(suite_of({moving(5)}), true), 0);
+  EXPECT_EQ(row("good").facts.scene_key, scene) << "the scored frame is the same";
+  EXPECT_NE(row("good").facts.key, key);
+}
+
+TEST_F(Runs, ResumedRowsOfABusyMachineStayMarked) {
+  const std::string suite = suite_text({{"good", "scalar"}});
+  run(suite);
+  edit_context(out(), "busy", true);
+  EXPECT_EQ(run(suite, true), 0);
+  EXPECT_TRUE(read_results(out()).context["busy"]);
+}
+
+TEST_F(Runs, DamagedResultsAreWrongInput) {
+  const std::string suite = suite_text({{"good", "scalar"}});
+  std::filesystem::create_directories(out());
+  for (const char* text : {"{", "[]", "{\"context\": null, \"benchmarks\": []}",
+                           "{\"context\": {}, \"benchmarks\": null}", "{\"context\": {}, \"benchmarks\": [{}]}"}) {
+    std::ofstream(out() + "/results.json") << text;
+    EXPECT_NE(test::error_of([&] { run(suite, true); }).find("results.json: not a results file"), std::string::npos)
+        << text;
+    testing::internal::GetCapturedStdout();
+  }
 }
 
 TEST_F(Runs, TwoRunsDoNotShareAFolder) {
