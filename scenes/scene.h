@@ -54,7 +54,9 @@ struct Frame {
 /// motion themselves.
 class Animation {
  public:
+  /// The scene must outlive this and its frames.
   explicit Animation(const Scene& scene);
+  explicit Animation(const Scene&& scene) = delete;
   /// What does not move is the scene's own.
   Frame frame(int index);
   const Scene& scene() const { return scene_; }

@@ -106,7 +106,7 @@ def main():
     print(f"undisturbed: {len(expected)} rows in {seconds:.1f} s", flush=True)
     while len(tally) < options.moments:
         shutil.rmtree(place + "/out")
-        if rounds % 2 == 0:
+        if rounds % 2 == 1:
             shutil.rmtree(place + "/cache")
         faults += one_round(options, place, expected, chance, tally)
         rounds += 1

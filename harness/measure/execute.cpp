@@ -79,6 +79,7 @@ class SceneJobs {
       case Job::Kind::fit:  // came with the scene
         return;
       case Job::Kind::reference:
+        if (!asked_for(job.resolution)) return;
         progress_.step(job.key);
         if (inapplicable(context_.frame(), job.rung).empty()) context_.add_reference(job.rung, job.resolution);
         return;
@@ -90,6 +91,13 @@ class SceneJobs {
       case Job::Kind::measurement:
         if (todo_.contains(job.variant)) check_variant(job);
     }
+  }
+
+  /// Does a row that is left to do compare itself with rungs of this resolution?
+  bool asked_for(int resolution) const {
+    return resolution == 0 || std::any_of(todo_.begin(), todo_.end(), [&](std::size_t k) {
+             return resolution_of(plan_.suite->variants[k].parameters) == resolution;
+           });
   }
 
   void add_baseline(const Job& job) {

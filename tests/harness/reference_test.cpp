@@ -161,7 +161,8 @@ TEST(Reference, ThreadsDoNotChangeABit) {
 TEST(Reference, NoiseThatIsNotReachedIsSaidWhetherComputedOrLoaded) {
   const test::TemporaryFolder folder;
   setenv("PENUMBRA_CACHE", folder.path().c_str(), 1);
-  Animation animation(resting_sphere());
+  const Scene scene = resting_sphere();
+  Animation animation(scene);
   const Frame frame = animation.frame(0);
   const auto said = [&](double noise) {
     return test::messages_of([&] { cached_reference(frame, Rung::truth, {32, noise, 2048}); });
