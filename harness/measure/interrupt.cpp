@@ -40,7 +40,7 @@ bool wait_for_news(long milliseconds) {
   return true;
 }
 
-constexpr long patience = 1500;  // ms
+constexpr long patience = 1000;  // ms
 
 }  // namespace
 

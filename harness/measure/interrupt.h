@@ -15,7 +15,7 @@ bool interrupted();
 void stop_if_interrupted();
 
 /// While it lives, signals ask instead of ending the program. `asked` is called at once, on a thread of its own. What
-/// cannot stop (a technique's table, a fit) does not hold up the end: if the watch still lives after 1.5 s, `late` is
+/// cannot stop (a technique's table, a fit) does not hold up the end: if the watch still lives after 1 s, `late` is
 /// called on that thread, and the program ends with exit code 130.
 class InterruptWatch {
  public:
