@@ -133,7 +133,8 @@ int finish(ResultsFolder& folder, const Tables& tables) {
   const std::string skipped = all_skipped_because(rows);
   if (!skipped.empty()) say(fmt::format("nothing was measured, every row was skipped: {}\n", skipped));
   const bool failed = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.failed(); });
-  return unprinted || !unwritten.empty() || !skipped.empty() || failed ? 1 : 0;
+  if (rows.empty()) say("nothing was measured\n");
+  return unprinted || !unwritten.empty() || !skipped.empty() || failed || rows.empty() ? 1 : 0;
 }
 
 }  // namespace
@@ -145,10 +146,10 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
   nlohmann::json context = machine_context();
   context["suite"] = suite.name;
   ResultsFolder folder(options.directory);
+  warn_of_threads(plan);
+  warn_of_load(context);  // of now: rows that are kept may bring the mark of an earlier load
   const std::vector<Row> earlier =
       options.resume ? comparable_rows(options.directory, suite, keys, context) : std::vector<Row>();
-  warn_of_threads(plan);
-  warn_of_load(context);
   folder.begin(context, earlier);
   {
     const InterruptWatch watch([] { say("\nstopping; what is finished is kept (once more: stop at once)\n"); },
