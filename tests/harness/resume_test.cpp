@@ -28,14 +28,16 @@ TEST_F(Runs, ResumeKeepsGoodRowsAndMeasuresTheRest) {
 TEST_F(Runs, ResumeMeasuresAnewWhatFailedOrHasTooFewRepetitions) {
   const std::string suite = suite_text({{"good", "scalar"}});
   run(suite);
-  for (const char* fault : {"short", "failed"}) {
+  for (const char* fault : {"short", "torn", "failed"}) {
     Results results = read_results(out());
     if (fault == std::string("short")) results.rows[0].timing.frame_ms.pop_back();
+    else if (fault == std::string("torn")) results.rows[0].timing.update_ms.clear();
     else results.rows[0].status = "failed: once";
     write_results(out(), results);
     EXPECT_EQ(run(suite, true), 0);
     EXPECT_TRUE(row("good").ok()) << fault;
     EXPECT_EQ(row("good").timing.frame_ms.size(), 2u) << fault;
+    EXPECT_EQ(row("good").timing.update_ms.size(), 2u) << fault;
   }
 }
 
