@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "cuda/register_cuda.h"
+#include "harness/commands/choose_command.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/run.h"
 #include "scenes/error.h"
@@ -35,6 +36,32 @@ void add_run(CLI::App& app, int& exit_code) {
     const Registry registry = make_registry();
     exit_code = run_suite(load_suite(suite, registry, threads), registry, options);
   });
+}
+
+void add_choose(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand(
+      "choose", "The technique for a mesh and a light: fastest within an error, or best within a time");
+  static ChooseOptions options;
+  command->add_option("subject", options.subject, "Mesh (file, asset, shape) or scene (shipped, .toml)")->required();
+  command->add_option("--error", options.error, "Bound: relative RMSE against truth, such as 2%");
+  command->add_option("--budget", options.budget, "Bound: time of a frame, such as 10ms");
+  command->add_option("--light", options.scene.light,
+                      "For a mesh: environment, a name or an image file (default: sun-sky)");
+  command->add_option("--lamp", options.scene.lamp, "For a mesh: WxH@x,y,z or RADIUS@x,y,z, m, shining at the mesh");
+  command->add_option("--up", options.scene.up, "For a mesh: its upward axis")->check(CLI::IsMember({"y", "z"}));
+  command->add_option("--height", options.scene.height, "For a mesh: scale it to this height, m")
+      ->check(CLI::Range(1e-6, 1e6));
+  command->add_flag("--moving", options.settings.moving, "The mesh deforms: count what every frame must update");
+  command->add_option("--out", options.directory, "Folder for scene, rows and answer")->capture_default_str();
+  command->add_option("--threads", options.settings.threads, "Default: all cores")->check(CLI::Range(1, 1024));
+  command->add_option("--repetitions", options.settings.repetitions, "Of the candidates' timing")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--patience", options.settings.patience, "Seconds after which no further spheres are fitted")
+      ->check(CLI::Range(1.0, 1e6));
+  command->add_flag("--exhaustive", options.settings.exhaustive, "Try every combination instead of searching (slow)");
+  command->add_flag("--path", options.path, "Print all that was tried");
+  command->add_flag("--json", options.json, "Print the answer as JSON");
+  command->callback([&exit_code] { exit_code = choose_technique(options); });
 }
 
 void add_render(CLI::App& app) {
@@ -99,6 +126,7 @@ int main(int argc, char** argv) {
   auto* listing = app.add_subcommand("list", "Techniques, scenes and suites of this build");
   listing->add_flag("--json", json, "Machine-readable");
   listing->callback([&] { list(json); });
+  add_choose(app, exit_code);
   add_run(app, exit_code);
   add_render(app);
   add_reference(app);
