@@ -1,10 +1,13 @@
-#include "harness/commands/choose_command.h"
-
+// penumbra choose: a scene for a mesh and a light, the search, and the screen.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <thread>
 
+#include "harness/choose/choose.h"
+#include "harness/choose/new_scene.h"
+#include "harness/commands/commands.h"
 #include "harness/measure/interrupt.h"
 #include "harness/measure/timing.h"
 #include "harness/report/row_text.h"
@@ -14,6 +17,15 @@
 
 namespace penumbra {
 namespace {
+
+struct ChooseOptions {
+  std::string subject;  ///< mesh or scene
+  SceneRequest scene;   ///< for a mesh
+  std::string error, budget;
+  std::string directory = "results/runs/choose";
+  ChooseSettings settings;
+  bool json = false, path = false;
+};
 
 Bound bound_of(const ChooseOptions& o) {
   if (o.error.empty() == o.budget.empty())
@@ -65,8 +77,8 @@ int finish(const ChooseOptions& o, const Answer& answer, ResultsFolder& folder) 
   return unprinted || !unwritten.empty() ? 1 : 0;
 }
 
-}  // namespace
-
+/// Returns the exit code: 0 answered, be it that nothing reaches the bound, 1 results could not be written, 130
+/// interrupted.
 int choose_technique(ChooseOptions o) {
   o.settings.bound = bound_of(o);
   o.scene.mesh = o.subject;
@@ -96,6 +108,34 @@ int choose_technique(ChooseOptions o) {
     kept();
     return 130;
   }
+}
+
+}  // namespace
+
+void add_choose(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand(
+      "choose", "The technique for a mesh and a light: fastest within an error, or best within a time");
+  static ChooseOptions options;
+  command->add_option("subject", options.subject, "Mesh (file, asset, shape) or scene (shipped, .toml)")->required();
+  command->add_option("--error", options.error, "Bound: relative RMSE against truth, such as 2%");
+  command->add_option("--budget", options.budget, "Bound: time of a frame, such as 10ms");
+  command->add_option("--light", options.scene.light,
+                      "For a mesh: environment, a name or an image file (default: sun-sky)");
+  command->add_option("--lamp", options.scene.lamp, "For a mesh: WxH@x,y,z or RADIUS@x,y,z, m, shining at the mesh");
+  command->add_option("--up", options.scene.up, "For a mesh: its upward axis")->check(CLI::IsMember({"y", "z"}));
+  command->add_option("--height", options.scene.height, "For a mesh: scale it to this height, m")
+      ->check(CLI::Range(1e-6, 1e6));
+  command->add_flag("--moving", options.settings.moving, "The mesh deforms: count what every frame must update");
+  command->add_option("--out", options.directory, "Folder for scene, rows and answer")->capture_default_str();
+  command->add_option("--threads", options.settings.threads, "Default: all cores")->check(CLI::Range(1, 1024));
+  command->add_option("--repetitions", options.settings.repetitions, "Of the candidates' timing")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--patience", options.settings.patience, "Seconds after which no further spheres are fitted")
+      ->check(CLI::Range(1.0, 1e6));
+  command->add_flag("--exhaustive", options.settings.exhaustive, "Try every combination instead of searching (slow)");
+  command->add_flag("--path", options.path, "Print all that was tried");
+  command->add_flag("--json", options.json, "Print the answer as JSON");
+  command->callback([&exit_code] { exit_code = choose_technique(options); });
 }
 
 }  // namespace penumbra
