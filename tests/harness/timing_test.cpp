@@ -37,8 +37,7 @@ class Timings : public testing::Test {
     std::vector<TimedItem> items;
     const Scene scene = test::sphere_scene({}, test::receivers_at({vec3(0.0f)}));
     for (Ticking* t : {&good_, &bad_}) items.push_back({t == &good_ ? "good" : "bad", t, &scene, 1, 5.0, {}, ""});
-    time_items(items, repetitions,
-               {[&] { ++begun_; }, [&](const TimedItem& item) { finished_.push_back(item); }});
+    time_items(items, repetitions, {[&] { ++begun_; }, [&](const TimedItem& item) { finished_.push_back(item); }});
   }
   Ticking good_, bad_;
   std::vector<TimedItem> finished_;
