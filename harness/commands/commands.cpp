@@ -9,6 +9,7 @@
 
 #include "cuda/register_cuda.h"
 #include "harness/measure/black_truth.h"
+#include "harness/measure/progress.h"
 #include "harness/measure/reference.h"
 #include "harness/results/metrics.h"
 #include "harness/results/pictures.h"
@@ -103,18 +104,22 @@ void render(const RenderOptions& options) {
   const Registry registry = make_registry();
   const Entry& entry = registry.find(options.technique, options.backend);
   const auto technique = make_technique(entry, options.parameters);
-  const Scene scene = load_scene(options.scene);
+  Progress progress;
+  const Scene scene = load_scene(options.scene, progress);
   if (!entry.lights.accepts(scene.light))
     throw Unsupported(entry.title() + " cannot shade the light of scene " + scene.name);
+  progress.step("preparing " + entry.title());
   const auto start = std::chrono::steady_clock::now();
   technique->prepare(scene);
   Animation animation(scene);
   const Frame frame = animation.frame(0);
   technique->update(frame);
+  progress.step("shading with " + entry.title());
   const auto prepared = std::chrono::steady_clock::now();
   Image image{scene.receivers.width, scene.receivers.height, std::vector<vec3>(std::size_t(scene.receivers.size()))};
   technique->shade({image.pixels.data(), image.width, image.height});
   const auto shaded = std::chrono::steady_clock::now();
+  progress.finish();
   save(options.output, image, frame);
   if (!light_arrives(frame.light, frame.receivers))
     spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, false));
@@ -124,7 +129,8 @@ void render(const RenderOptions& options) {
 }
 
 void reference(const ReferenceOptions& options) {
-  const Scene scene = load_scene(options.scene);
+  Progress progress;
+  const Scene scene = load_scene(options.scene, progress);
   const Rung rung = parse_rung(options.rung);
   ReferenceSettings settings;
   settings.truth_noise = options.noise;
@@ -132,8 +138,11 @@ void reference(const ReferenceOptions& options) {
   Animation animation(scene);
   const Frame frame = animation.frame(0);
   if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
+  progress.step(fmt::format("{}: {}", scene.name, to_string(rung)));
+  const auto tell = [&](double share) { progress.share(share); };
   const Reference r =
-      options.fresh ? compute_reference(frame, rung, settings) : cached_reference(frame, rung, settings);
+      options.fresh ? compute_reference(frame, rung, settings, tell) : cached_reference(frame, rung, settings, tell);
+  progress.finish();
   const auto valid = valid_receivers(frame.receivers);
   const double black = black_level(frame.light, frame.receivers);
   fmt::print("{}\n", options.json ? reference_json(scene.name, r, valid, black).dump(1)

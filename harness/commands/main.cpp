@@ -1,7 +1,6 @@
 // The command line: penumbra list | run | render | reference | fit.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +11,7 @@
 #include "cuda/register_cuda.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/run.h"
+#include "harness/measure/progress.h"
 #include "scenes/error.h"
 
 namespace {
@@ -90,7 +90,7 @@ void add_fit(CLI::App& app) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("penumbra"));  // stdout is for results
+  spdlog::set_default_logger(message_logger());  // stdout is for results
   spdlog::set_pattern("%v");
   CLI::App app{"penumbra: speed against error of shadow techniques"};
   app.require_subcommand(1);
