@@ -84,7 +84,7 @@ SphereList listed_spheres(TomlReader& at, const toml::array& list) {
 /// In the mesh's coordinates. A fit by count keeps the name of its objective in `objective`; spheres from a list or a
 /// file leave it empty.
 SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const SphereChoice& choice,
-                      std::string& objective) {
+                      std::string& objective, const FitProgress& progress) {
   const toml::node* node = at.node("spheres");
   const bool fitted = choice.count || (node && node->is_integer());
   if (!fitted && at.has("objective")) at.fail("objective", "is for spheres given by count");
@@ -99,7 +99,7 @@ SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const Sphere
     if (imported.triangles.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
     if (!choice.fitted) return {};
     const Mesh mesh = narrowed(imported);
-    return at_key(at, "spheres", [&] { return widened(cached_fit(mesh, request, *at.text("mesh")), mesh.origin); });
+    return at_key(at, "spheres", [&] { return widened(cached_fit(mesh, request, *at.text("mesh"), progress), mesh.origin); });
   }
   if (!node) return {};
   if (node->is_string()) {
@@ -122,7 +122,7 @@ bool read_z_up(TomlReader& at) {
   return up == "z";
 }
 
-Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& objective) {
+Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& objective, const FitProgress& progress) {
   Occluder occluder;
   const std::string name = at.required("mesh", at.text("mesh"), "an asset name, a path or a shape");
   const auto seed = at.integer("seed", 0, 1 << 30);
@@ -138,7 +138,7 @@ Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& o
     for (dvec3& p : occluder.mesh.positions) p = turned_upright(p);
     for (vec3& n : occluder.mesh.normals) n = vec3(turned_upright(n));
   }
-  occluder.spheres = spheres_of(at, occluder.mesh, choice, objective);
+  occluder.spheres = spheres_of(at, occluder.mesh, choice, objective, progress);
   if (z_up && objective.empty())  // fitted ones are of the turned mesh
     for (glm::dvec4& s : occluder.spheres) s = {turned_upright(dvec3(s)), s.w};
   if (auto fit = at.table("fit")) {
@@ -332,12 +332,12 @@ std::string read_name(TomlReader& file) {
   return name;
 }
 
-Scene load_scene(const std::string& name_or_path, const SphereChoice& choice) {
+Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, const FitProgress& progress) {
   TomlReader file = TomlReader::open(shipped_file(name_or_path, "library"));
   Scene scene;
   scene.name = read_name(file);
   const auto section = [&](const char* key) { return file.required(key, file.table(key), "a table"); };
-  const Occluder occluder = read_occluder(section("occluder"), choice, scene.objective);
+  const Occluder occluder = read_occluder(section("occluder"), choice, scene.objective, progress);
   scene.receiver_spec = read_receivers(section("receivers"), occluder.mesh, scene.origin);
   scene.light = read_light(section("light"), scene.origin);
   if (auto motion = file.table("motion")) scene.motion = read_motion(*motion, scene.origin);

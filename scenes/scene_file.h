@@ -20,8 +20,8 @@ class TomlReader;
 /// Key `name` of a scene or suite file. Throws Error naming file, line and what is allowed.
 std::string read_name(TomlReader& file);
 
-/// Loads a shipped scene by name or a file by path. Fits of spheres come from the cache where it holds them.
-/// Throws Error naming file, line, key and what is allowed.
-Scene load_scene(const std::string& name_or_path, const SphereChoice& choice = {});
+/// Loads a shipped scene by name or a file by path. Fits of spheres come from the cache where it holds them; `progress`
+/// is told how far one is that does not. Throws Error naming file, line, key and what is allowed.
+Scene load_scene(const std::string& name_or_path, const SphereChoice& choice = {}, const FitProgress& progress = {});
 
 }  // namespace penumbra

@@ -26,7 +26,7 @@ class Chooser {
         folder_(folder),
         progress_(progress),
         start_(seconds_now()),
-        trials_((progress.step("truth"), settings.scene), settings.moving, truth_noise(), folder) {
+        trials_(settings.scene, settings.moving, truth_noise(), folder, progress) {
     if (const std::string black = trials_.context(0).blackness(); !black.empty()) throw Error("{}", black);
   }
 
@@ -67,8 +67,7 @@ class Chooser {
 
   std::optional<Look> look(const Line& line, int spheres, int value) {
     const Variant v = variant(line, value);
-    progress_.step(fmt::format("{}{}: {}", trials_.context(0).scene().name,
-                               spheres ? fmt::format(", {} spheres", spheres) : "", v.label()));
+    progress_.step(fmt::format("trying {}{}", spheres ? fmt::format("{} spheres, ", spheres) : "", v.label()));
     const Trial* trial = trials_.look(v, spheres);
     return trial ? std::optional(trial->look) : std::nullopt;
   }
@@ -94,7 +93,6 @@ class Chooser {
     for (const Line& line : on_mesh_) look_along(line, 0);
     for (const int n : {8, 16, 32, 64, 128, 256}) {
       if (on_spheres_.empty() || !trials_.may_fit()) return;
-      progress_.step(fmt::format("fitting {} spheres", n));
       trials_.fit(n);
       for (const Line& line : on_spheres_) look_along(line, n);
     }
@@ -117,7 +115,6 @@ class Chooser {
         continue;
       }
       const double begin = seconds();
-      progress_.step(fmt::format("fitting {} spheres", *n));
       try {
         trials_.fit(*n);
       } catch (const Error& e) {

@@ -133,7 +133,13 @@ std::vector<Option> timed(const std::vector<const Trial*>& candidates, const Tri
   for (auto& [t, c] : checked)
     items.push_back({c.row.id.name(), c.technique.get(), &trials.context(t->spheres).scene(), c.row.id.threads,
                      c.estimate_ms(), c.row.timing, ""});
-  time_items(items, repetitions, {[&] { progress.step("timing the candidates"); }, [](const TimedItem&) {}});
+  progress.expect("time", int(items.size()) * repetitions, 0.05);
+  {
+    const Progress::Still still(progress);
+    time_items(
+        items, repetitions,
+        {[&] { progress.step(fmt::format("timing {} candidates", items.size()), "time"); }, [](const TimedItem&) {}});
+  }
   stop_if_interrupted();
   std::vector<Option> options;
   for (std::size_t k = 0; k < items.size(); ++k) {

@@ -21,8 +21,8 @@ Scene thinned_if_possible(const Scene& scene) {
 
 }  // namespace
 
-Trials::Trials(std::string scene, bool moving, double truth_noise, ResultsFolder& folder)
-    : scene_(std::move(scene)), moving_(moving), folder_(folder) {
+Trials::Trials(std::string scene, bool moving, double truth_noise, ResultsFolder& folder, Progress& progress)
+    : scene_(std::move(scene)), moving_(moving), folder_(folder), progress_(progress) {
   suite_.name = "choose";
   suite_.truth_noise = truth_noise;
   add_context(0);
@@ -30,11 +30,13 @@ Trials::Trials(std::string scene, bool moving, double truth_noise, ResultsFolder
   may_fit_ = loaded.spheres.empty() && !loaded.mesh.empty();
 }
 
-Scene Trials::load(int spheres) const {
+Scene Trials::load(int spheres) {
   SphereChoice choice;
   choice.fitted = spheres > 0;
   if (spheres > 0) choice.count = spheres;
-  Scene scene = load_scene(scene_, choice);
+  progress_.step(spheres > 0 ? fmt::format("fitting {} spheres", spheres) : "loading " + scene_);
+  Scene scene =
+      load_scene(scene_, choice, [&](const std::string& stage, double share) { progress_.share(stage, share); });
   if (moving_ && !Animation(scene).deforms()) {
     if (scene.mesh.empty()) throw Error("--moving: scene {} has no mesh that could move", scene.name);
     scene.motion = twist;
@@ -47,7 +49,9 @@ void Trials::add_context(int spheres) {
   Contexts made;
   made.few = std::make_unique<SceneContext>(thinned_if_possible(scene), suite_);
   made.whole = std::make_unique<SceneContext>(std::move(scene), suite_);
-  made.whole->add_reference(Rung::truth, 0);
+  progress_.step("truth");
+  made.whole->add_reference(Rung::truth, 0, [&](double share) { progress_.share(share); });
+  progress_.step("references of a few receivers");
   made.few->add_reference(Rung::truth, 0);
   for (const Rung rung : {Rung::cube, Rung::spheres})
     for (const int n : {16, 32})

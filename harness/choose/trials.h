@@ -22,7 +22,7 @@ struct Trial {
 class Trials {
  public:
   /// Loads the scene without a fit and computes its truth. Throws Error.
-  Trials(std::string scene, bool moving, double truth_noise, ResultsFolder& folder);
+  Trials(std::string scene, bool moving, double truth_noise, ResultsFolder& folder, Progress& progress);
 
   const SceneContext& context(int spheres) const { return *contexts_.at(spheres).whole; }
   const Suite& suite() const { return suite_; }
@@ -50,7 +50,7 @@ class Trials {
   struct Contexts {
     std::unique_ptr<SceneContext> whole, few;
   };
-  Scene load(int spheres) const;
+  Scene load(int spheres);
   void add_context(int spheres);
 
   const std::string scene_;
@@ -58,6 +58,7 @@ class Trials {
   Suite suite_;
   bool may_fit_ = false;
   ResultsFolder& folder_;
+  Progress& progress_;
   std::map<int, Contexts> contexts_;
   std::vector<std::unique_ptr<Trial>> all_;
   std::map<std::string, const Trial*> by_name_;  ///< null: refused

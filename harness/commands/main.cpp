@@ -1,16 +1,16 @@
 // The command line. Each command has a file of its own: see commands.h.
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 
 #include "harness/commands/commands.h"
+#include "harness/measure/progress.h"
 #include "scenes/error.h"
 
 int main(int argc, char** argv) {
   using namespace penumbra;
-  spdlog::set_default_logger(spdlog::stderr_color_mt("penumbra"));  // stdout is for results
+  spdlog::set_default_logger(message_logger());  // stdout is for results
   spdlog::set_pattern("%v");
   CLI::App app{"penumbra: speed against error of shadow techniques"};
   app.require_subcommand(1);

@@ -9,6 +9,7 @@
 #include "harness/commands/commands.h"
 #include "harness/commands/save_image.h"
 #include "harness/measure/black_truth.h"
+#include "harness/measure/progress.h"
 #include "harness/measure/reference.h"
 #include "harness/results/metrics.h"
 #include "scenes/error.h"
@@ -56,7 +57,8 @@ nlohmann::json reference_json(const std::string& scene, const Reference& r, cons
 }
 
 void reference(const ReferenceOptions& options) {
-  const Scene scene = load_scene(options.scene);
+  Progress progress;
+  const Scene scene = load_scene(options.scene, progress);
   const Rung rung = parse_rung(options.rung);
   ReferenceSettings settings;
   settings.truth_noise = options.noise;
@@ -64,8 +66,11 @@ void reference(const ReferenceOptions& options) {
   Animation animation(scene);
   const Frame frame = animation.frame(0);
   if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
+  progress.step(fmt::format("{}: {}", scene.name, to_string(rung)));
+  const auto tell = [&](double share) { progress.share(share); };
   const Reference r =
-      options.fresh ? compute_reference(frame, rung, settings) : cached_reference(frame, rung, settings);
+      options.fresh ? compute_reference(frame, rung, settings, tell) : cached_reference(frame, rung, settings, tell);
+  progress.finish();
   const auto valid = valid_receivers(frame.receivers);
   const double black = black_level(frame.light, frame.receivers);
   fmt::print("{}\n", options.json ? reference_json(scene.name, r, valid, black).dump(1)

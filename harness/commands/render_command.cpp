@@ -7,6 +7,7 @@
 #include "harness/commands/commands.h"
 #include "harness/commands/save_image.h"
 #include "harness/measure/black_truth.h"
+#include "harness/measure/progress.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
 #include "techniques/registry.h"
@@ -24,18 +25,22 @@ void render(const RenderOptions& options) {
   const Registry registry = make_registry();
   const Entry& entry = registry.find(options.technique, options.backend);
   const auto technique = make_technique(entry, options.parameters);
-  const Scene scene = load_scene(options.scene, {options.spheres, {}});
+  Progress progress;
+  const Scene scene = load_scene(options.scene, progress, {options.spheres, {}});
   if (!entry.lights.accepts(scene.light))
     throw Unsupported(entry.title() + " cannot shade the light of scene " + scene.name);
+  progress.step("preparing " + entry.title());
   const auto start = std::chrono::steady_clock::now();
   technique->prepare(scene);
   Animation animation(scene);
   const Frame frame = animation.frame(0);
   technique->update(frame);
+  progress.step("shading with " + entry.title());
   const auto prepared = std::chrono::steady_clock::now();
   Image image{scene.receivers.width, scene.receivers.height, std::vector<vec3>(std::size_t(scene.receivers.size()))};
   technique->shade({image.pixels.data(), image.width, image.height});
   const auto shaded = std::chrono::steady_clock::now();
+  progress.finish();
   save_image(options.output, image, frame);
   if (!light_arrives(frame.light, frame.receivers))
     spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, false));

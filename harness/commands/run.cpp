@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <map>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "harness/measure/timing.h"
 #include "harness/report/published.h"
 #include "harness/report/published_times.h"
+#include "harness/report/run_screen.h"
 #include "harness/report/tables.h"
 #include "harness/results/provenance.h"
 
@@ -119,9 +121,21 @@ void say_what_is_kept(const ResultsFolder& folder) {
                   folder.directory()));
 }
 
-int finish(ResultsFolder& folder, const Tables& tables) {
+/// One screen; all tables if they are not on disk.
+std::string last_words(const ResultsFolder& folder, const Tables& tables, const RunSummary& summary, bool written) {
+  if (!written) return tables.of(folder.all_rows());
+  return make_run_screen(summary, folder.all_rows());
+}
+
+RunSummary summary_of(const Suite& suite, const ResultsFolder& folder, const nlohmann::json& context, double seconds) {
+  return {suite.name, folder.directory(),
+          fmt::format("{} cores of {}", context.at("num_cpus").get<int>(), context.value("cpu_name", "an unknown CPU")),
+          seconds};
+}
+
+int finish(ResultsFolder& folder, const Tables& tables, const RunSummary& summary) {
   const std::string unwritten = save(folder, tables);
-  std::fputs(tables.of(folder.all_rows()).c_str(), stdout);
+  std::fputs(last_words(folder, tables, summary, unwritten.empty()).c_str(), stdout);
   const bool unprinted = std::fflush(stdout) != 0;
   if (unprinted) say(fmt::format("the tables could not be printed; they are in {}/table.md\n", folder.directory()));
   if (!unwritten.empty()) say(fmt::format("the results are not on disk: {}\n", unwritten));
@@ -140,6 +154,7 @@ int finish(ResultsFolder& folder, const Tables& tables) {
 }  // namespace
 
 int run_suite(const Suite& suite, const Registry& registry, const RunOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
   const Tables tables(suite);
   const Plan plan = make_plan(suite, options.filter, options.repetitions);
   const std::map<std::string, std::string> keys = check_scenes(plan);
@@ -160,7 +175,8 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
     const std::size_t kept = execute(plan, registry, earlier, folder);
     if (!earlier.empty()) spdlog::info("{} of {} rows of the earlier run were kept", kept, earlier.size());
   }
-  return finish(folder, tables);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return finish(folder, tables, summary_of(suite, folder, context, seconds));
 }
 
 }  // namespace penumbra

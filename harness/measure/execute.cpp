@@ -8,6 +8,7 @@
 #include "harness/measure/check.h"
 #include "harness/measure/interrupt.h"
 #include "harness/measure/scene_images.h"
+#include "harness/measure/steps_left.h"
 #include "harness/measure/timing.h"
 
 namespace penumbra {
@@ -16,14 +17,18 @@ namespace {
 /// The jobs of one scene.
 class SceneJobs {
  public:
+  /// `later`: steps of the scenes behind this one.
   SceneJobs(const Plan& plan, const PlannedScene& planned, const Registry& registry, ResultsFolder& folder,
-            Progress& progress)
+            Progress& progress, StepCounts later)
       : plan_(plan),
         planned_(planned),
         registry_(registry),
         folder_(folder),
         progress_(progress),
-        context_(load_scene(planned.listed, planned.choice), *plan.suite),
+        later_(std::move(later)),
+        context_(load_scene(planned.listed, planned.choice,
+                            [&](const std::string& stage, double share) { progress.share(stage, share); }),
+                 *plan.suite),
         images_(*plan.suite, folder.directory() + "/images/" + context_.folder(), context_) {}
 
   const SceneContext& context() const { return context_; }
@@ -47,6 +52,7 @@ class SceneJobs {
   }
 
   void run() {
+    announce_jobs();
     for (const Job& job : planned_.jobs) {
       stop_if_interrupted();
       do_job(job);
@@ -74,19 +80,35 @@ class SceneJobs {
 
   const Variant& variant(const Job& job) const { return plan_.suite->variants[job.variant]; }
 
+  void announce_jobs() {
+    StepCounts left;
+    for (const Job& job : planned_.jobs)
+      if (job.kind == Job::Kind::measurement ? todo_.contains(job.variant) : asked_for(job.resolution))
+        ++left[step_kind(job.kind)];
+    left["fit"] = 0;
+    left["time"] = left["check"] * plan_.repetitions;
+    announce(sum(left, later_), progress_);
+  }
+
+  /// "bunny-city: truth"
+  void begin(const Job& job, const std::string& what) {
+    progress_.step(context_.scene().name + ": " + what, step_kind(job.kind));
+  }
+
   void do_job(const Job& job) {
     switch (job.kind) {
       case Job::Kind::fit:  // came with the scene
         return;
       case Job::Kind::reference:
         if (!asked_for(job.resolution)) return;
-        progress_.step(job.key);
-        if (inapplicable(context_.frame(), job.rung).empty()) context_.add_reference(job.rung, job.resolution);
+        begin(job, to_string(job.rung));
+        if (inapplicable(context_.frame(), job.rung).empty())
+          context_.add_reference(job.rung, job.resolution, [&](double share) { progress_.share(share); });
         return;
       case Job::Kind::baseline:
         return add_baseline(job);
       case Job::Kind::sequence:
-        progress_.step(job.key);
+        begin(job, "truths of all frames");
         return context_.add_sequence(progress_);
       case Job::Kind::measurement:
         if (todo_.contains(job.variant)) check_variant(job);
@@ -101,8 +123,8 @@ class SceneJobs {
   }
 
   void add_baseline(const Job& job) {
-    progress_.step(job.key);
     const Variant& baseline = *plan_.suite->baseline;
+    begin(job, "baseline " + baseline.label());
     try {
       context_.add_baseline(baseline);
     } catch (const std::exception& e) {
@@ -118,7 +140,7 @@ class SceneJobs {
       ready_ = true;
     }
     const Variant& v = variant(job);
-    progress_.step(context_.scene().name + ": checking " + v.label());
+    begin(job, "checking " + v.label());
     Checked c = check(v, context_, *plan_.suite, registry_, images_.sheet_file(v));
     if (c.row.failed()) progress_.note(c.row.id.name() + ": " + c.row.status);
     if (!c.row.ok()) return finish(job.variant, c.row);
@@ -133,6 +155,8 @@ class SceneJobs {
   }
 
   void time_checked() {
+    announce(sum({{"time", int(checked_.size()) * plan_.repetitions}}, later_), progress_);
+    const Progress::Still still(progress_);
     std::vector<TimedItem> items;
     for (const auto& [variant, c] : checked_)
       items.push_back(
@@ -146,7 +170,7 @@ class SceneJobs {
     time_items(items, plan_.repetitions,
                {[&] {
                   if (interrupted()) return;
-                  progress_.step(context_.scene().name + ": timing");
+                  progress_.step(fmt::format("{}: timing {} rows", context_.scene().name, items.size()), "time");
                   folder_.save_if_due();
                 },
                 finished});
@@ -157,6 +181,7 @@ class SceneJobs {
   const Registry& registry_;
   ResultsFolder& folder_;
   Progress& progress_;
+  const StepCounts later_;
   SceneContext context_;
   SceneImages images_;
   bool partial_ = false;                                  ///< was some row taken over?
@@ -164,13 +189,6 @@ class SceneJobs {
   std::set<std::size_t> todo_;                            ///< variants that have no row yet
   std::vector<std::pair<std::size_t, Checked>> checked_;  ///< with their variants
 };
-
-int steps_of(const Plan& plan) {
-  std::size_t steps = 0;
-  for (const PlannedScene& scene : plan.scenes)
-    steps += scene.jobs.size() + scene.measurements() * std::size_t(plan.repetitions);
-  return int(steps);
-}
 
 /// Rows of a scene that could not even be loaded.
 void fail_scene(const Plan& plan, const PlannedScene& scene, const std::string& why, ResultsFolder& folder) {
@@ -187,11 +205,13 @@ void fail_scene(const Plan& plan, const PlannedScene& scene, const std::string& 
 /// Runs one scene unless another with as many fitted spheres had its turn. What is thrown for the scene as a whole is
 /// the failure of its rows.
 void run_scene(const Plan& plan, const PlannedScene& planned, const Registry& registry, const std::vector<Row>& earlier,
-               ResultsFolder& folder, Progress& progress, std::set<std::string>& seen, std::size_t& kept) {
+               ResultsFolder& folder, Progress& progress, const StepCounts& later, std::set<std::string>& seen,
+               std::size_t& kept) {
   std::optional<SceneJobs> jobs;
   try {
-    progress.step(planned.jobs.front().key);
-    jobs.emplace(plan, planned, registry, folder, progress);
+    announce(sum(steps_of(planned, plan.repetitions), later), progress);
+    progress.step(planned.outline.name + ": loading", step_kind(Job::Kind::fit));
+    jobs.emplace(plan, planned, registry, folder, progress, later);
     if (!seen.insert(jobs->context().folder()).second)
       return progress.note(fmt::format("{}: a fit of {} spheres needs no more than {}, which had their turn",
                                        planned.outline.name, planned.outline.spheres,
@@ -209,22 +229,28 @@ void run_scene(const Plan& plan, const PlannedScene& planned, const Registry& re
 
 std::map<std::string, std::string> check_scenes(const Plan& plan) {
   std::map<std::string, std::string> keys;
-  for (const PlannedScene& scene : plan.scenes)
-    if (!keys.contains(scene.outline.name))
-      keys[scene.outline.name] =
-          truth_key(load_scene(scene.listed, {scene.choice.count, scene.choice.objective, false}), *plan.suite);
+  Progress progress;
+  for (const PlannedScene& scene : plan.scenes) {
+    if (keys.contains(scene.outline.name)) continue;
+    progress.step("looking at " + scene.outline.name);
+    keys[scene.outline.name] =
+        truth_key(load_scene(scene.listed, {scene.choice.count, scene.choice.objective, false}), *plan.suite);
+  }
   return keys;
 }
 
 std::size_t execute(const Plan& plan, const Registry& registry, const std::vector<Row>& earlier,
                     ResultsFolder& folder) {
-  Progress progress(steps_of(plan));
+  Progress progress;
+  StepCounts later;
+  for (const PlannedScene& scene : plan.scenes) later = sum(later, steps_of(scene, plan.repetitions));
   std::set<std::string> seen;
   std::size_t kept = 0;
   try {
     for (const PlannedScene& scene : plan.scenes) {
       stop_if_interrupted();
-      run_scene(plan, scene, registry, earlier, folder, progress, seen, kept);
+      for (const auto& [kind, count] : steps_of(scene, plan.repetitions)) later[kind] -= count;
+      run_scene(plan, scene, registry, earlier, folder, progress, later, seen, kept);
       if (const std::string why = folder.save(); !why.empty())
         progress.note(why + "; going on, the tables come at the end");
     }

@@ -4,7 +4,9 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 
@@ -162,16 +164,51 @@ class TruthSampler {
   int rounds_ = 0;
 };
 
-void compute_truth(const Frame& frame, const ReferenceSettings& settings, Reference& out) {
+/// How many rounds the truth will take: its noise falls with the root of their number.
+double predicted_rounds(const Reference& so_far, int rounds, const Receivers& receivers,
+                        const ReferenceSettings& settings) {
+  const std::vector<bool> valid = valid_receivers(receivers);
+  const double noise = so_far.noise(valid), wanted = settings.truth_noise * rms(so_far.mean, valid);
+  return noise > wanted && wanted > 0.0 ? double(rounds) * (noise / wanted) * (noise / wanted) : double(rounds);
+}
+
+void compute_truth(const Frame& frame, const ReferenceSettings& settings, Reference& out,
+                   const ReferenceProgress& progress) {
+  constexpr int first_look = 2, fewest = 8;
   TruthSampler sampler(frame, settings.truth_noise, out);
-  const int most = std::max(8, settings.most_rays / sampler.rays_per_round());
-  int rounds = 0;
-  for (int next = 8; rounds < most; next = std::min(most, rounds + std::max(4, rounds / 4))) {
-    while (rounds < next) sampler.round(rounds++);
+  const int most = std::max(fewest, settings.most_rays / sampler.rays_per_round());
+  double predicted = most;
+  const auto look = [&](int rounds) {
     sampler.finish();
+    predicted = std::clamp(predicted_rounds(out, rounds, frame.receivers, settings), double(fewest), double(most));
+  };
+  int rounds = 0;
+  for (int next = fewest; rounds < most; next = std::min(most, rounds + std::max(4, rounds / 4))) {
+    while (rounds < next) {
+      sampler.round(rounds++);
+      if (progress && rounds == first_look) look(rounds);
+      if (progress) progress(std::min(1.0, double(rounds) / predicted));
+    }
+    look(rounds);
     if (reaches_noise(out, frame.receivers, settings)) return;
   }
 }
+
+/// Counts what is done, from any thread, and tells a hundred times in all how far the whole is.
+class Tally {
+ public:
+  Tally(int whole, const ReferenceProgress& progress)
+      : whole_(whole), step_(std::max(1, whole / 100)), progress_(progress) {}
+  void one_more() {
+    const int done = ++done_;
+    if (progress_ && done % step_ == 0) progress_(double(done) / double(whole_));
+  }
+
+ private:
+  const int whole_, step_;
+  const ReferenceProgress& progress_;
+  std::atomic<int> done_ = 0;
+};
 
 constexpr int cells = 13;
 
@@ -180,12 +217,14 @@ LightSample cell_sample(const AreaLight& light, const Receivers& r, int i, int c
   return sample_area(light, r.position[i], r.normal[i], (float(column) + 0.5f) / cells, (float(row) + 0.5f) / cells);
 }
 
-void compute_13x13(const Frame& frame, Reference& out) {
+void compute_13x13(const Frame& frame, Reference& out, const ReferenceProgress& progress) {
   const AreaLight& light = *area_light_of(frame.light);
   const RayScene rays(frame.mesh);
   const Receivers& r = frame.receivers;
   out.rays_per_receiver = cells * cells;
+  Tally tally(r.size(), progress);
   tbb::parallel_for(0, r.size(), [&](int i) {
+    tally.one_more();
     if (!r.valid(i) || interrupted()) return;
     std::vector<LightSample> samples;
     dvec3 open(0.0);
@@ -198,12 +237,14 @@ void compute_13x13(const Frame& frame, Reference& out) {
   });
 }
 
-void compute_texels(const Frame& frame, Rung rung, int n, Reference& out) {
+void compute_texels(const Frame& frame, Rung rung, int n, Reference& out, const ReferenceProgress& progress) {
   const CubeLight light(*environment_of(frame.light), n);
   const RayScene rays(rung == Rung::cube ? frame.mesh : Mesh{});
   const Receivers& r = frame.receivers;
   out.rays_per_receiver = rung == Rung::cube ? 6 * n * n : 0;
+  Tally tally(r.size(), progress);
   tbb::parallel_for(0, r.size(), [&](int i) {
+    tally.one_more();
     if (!r.valid(i) || interrupted()) return;
     BitCube blocked(n);
     out.unshadowed.pixels[i] = pixel_sum(light, blocked, r.normal[i], r.albedo[i]);
@@ -231,15 +272,16 @@ void check_finite(const Reference& reference, const Receivers& receivers) {
         }
 }
 
-Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
+Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
+                            const ReferenceProgress& progress) {
   if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
   const auto start = std::chrono::steady_clock::now();
   Reference out;
   out.rung = rung;
   out.mean = out.variance = out.unshadowed = blank(frame.receivers);
-  if (rung == Rung::truth) compute_truth(frame, settings, out);
-  else if (rung == Rung::r13x13) compute_13x13(frame, out);
-  else compute_texels(frame, rung, settings.resolution, out);
+  if (rung == Rung::truth) compute_truth(frame, settings, out, progress);
+  else if (rung == Rung::r13x13) compute_13x13(frame, out, progress);
+  else compute_texels(frame, rung, settings.resolution, out, progress);
   stop_if_interrupted();
   check_finite(out, frame.receivers);
   warn_of_noise(out, frame.receivers, settings);

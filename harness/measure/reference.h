@@ -1,6 +1,7 @@
 // The reference ladder: truth -> cube -> spheres (docs/references.md). Every error is attributed by climbing it.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -46,10 +47,14 @@ void check_finite(const Reference& reference, const Receivers& receivers);
 /// Warns of a truth whose noise is above what was asked for, and says what to do.
 void warn_of_noise(const Reference& reference, const Receivers& receivers, const ReferenceSettings& settings);
 
+/// Told now and then how far a reference is, share in [0, 1], on any thread.
+using ReferenceProgress = std::function<void(double share)>;
+
 /// Computes a rung. Throws Unsupported where it does not apply, Error if it is not finite, Interrupted if the run is to
 /// stop. Deterministic for any number
 /// of threads.
-Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings);
+Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
+                            const ReferenceProgress& progress = {});
 
 /// Visibility of the 13 x 13 cell centres of an area light: values k / 169.
 float visibility_13x13(const Frame& frame, int receiver);
@@ -59,6 +64,7 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
 
 /// From the cache folder if it holds a whole file with the right key; computed and stored otherwise. Cache files that
 /// are truncated, damaged or of another key are rebuilt with a warning. An unwritable cache is a warning, not an error.
-Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings);
+Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
+                           const ReferenceProgress& progress = {});
 
 }  // namespace penumbra

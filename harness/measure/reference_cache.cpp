@@ -108,7 +108,8 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
   return hash.digest();
 }
 
-Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
+Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
+                           const ReferenceProgress& progress) {
   const std::string key = reference_key(frame, rung, settings);
   const std::string path = cache_folder() + "/" + to_string(rung) + "-" + key + ".exr";
   if (std::filesystem::exists(path)) {
@@ -121,7 +122,7 @@ Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSetting
       spdlog::warn("reference cache: {}; computing it anew", e.what());
     }
   }
-  Reference reference = compute_reference(frame, rung, settings);
+  Reference reference = compute_reference(frame, rung, settings, progress);
   try {
     store(path, key, reference);
   } catch (const std::exception& e) {

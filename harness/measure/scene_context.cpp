@@ -48,9 +48,9 @@ std::string SceneContext::folder() const {
                      scene_.objective);
 }
 
-void SceneContext::add_reference(Rung rung, int resolution) {
+void SceneContext::add_reference(Rung rung, int resolution, const ReferenceProgress& progress) {
   settings_.resolution = resolution ? resolution : settings_.resolution;
-  Reference reference = cached_reference(frame_, rung, settings_);
+  Reference reference = cached_reference(frame_, rung, settings_, progress);
   if (rung == Rung::truth) {
     regions_ = classify(reference.mean.pixels, reference.unshadowed.pixels, valid_);
     open_light_ = rms(reference.unshadowed, valid_) > black_;
@@ -74,10 +74,7 @@ void SceneContext::add_baseline(const Variant& variant) {
 }
 
 void SceneContext::add_sequence(Progress& progress) {
-  sequence_.emplace(scene_, settings_, [&](int frame) {
-    progress.share(fmt::format("{}: truths of {} frames", scene_.name, animation_.frames()),
-                   double(frame) / animation_.frames());
-  });
+  sequence_.emplace(scene_, settings_, [&](double share) { progress.share(share); });
 }
 
 const Image* SceneContext::rung(Rung rung, int resolution) const {

@@ -23,10 +23,10 @@ class SceneContext {
   std::string folder() const;
 
   /// From the cache or computed. Throws Error if it is not finite, Interrupted if the run is to stop.
-  void add_reference(Rung rung, int resolution);
+  void add_reference(Rung rung, int resolution, const ReferenceProgress& progress = {});
   /// Shades with a variant; its image joins the references. Throws what the variant throws.
   void add_baseline(const Variant& variant);
-  /// Truths of every frame.
+  /// Truths of every frame; says how far they are as the share of a step.
   void add_sequence(Progress& progress);
   /// Once all references are there: says what is odd about the scene.
   void finish_references(Progress& progress);

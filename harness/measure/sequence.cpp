@@ -12,7 +12,7 @@
 
 namespace penumbra {
 
-Sequence::Sequence(const Scene& scene, const ReferenceSettings& settings, const std::function<void(int frame)>& tick)
+Sequence::Sequence(const Scene& scene, const ReferenceSettings& settings, const ReferenceProgress& progress)
     : scene_(scene) {
   Animation animation(scene);
   const bool carried = animation.deforms() && !scene.mesh.empty() && !scene.spheres.empty();
@@ -20,9 +20,10 @@ Sequence::Sequence(const Scene& scene, const ReferenceSettings& settings, const 
       carried ? SphereCarrier(scene.mesh, scene.spheres, scene.motion.carry) : SphereCarrier();
   SphereSet moved = scene.spheres;
   for (int f = 0; f < animation.frames(); ++f) {
-    tick(f);
     const Frame frame = animation.frame(f);
-    const Reference truth = cached_reference(frame, Rung::truth, settings);
+    const auto share_of_frame = [&](double share) { progress((f + share) / animation.frames()); };
+    share_of_frame(0.0);
+    const Reference truth = cached_reference(frame, Rung::truth, settings, share_of_frame);
     valid_.push_back(valid_receivers(frame.receivers));
     black_.push_back(black_level(frame.light, frame.receivers));
     rel_noise_.push_back(relative(truth.noise(valid_.back()), rms(truth.mean, valid_.back()), black_.back()));

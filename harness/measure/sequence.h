@@ -12,8 +12,9 @@ namespace penumbra {
 /// The truths of a scene's frames, made once for all techniques.
 class Sequence {
  public:
-  /// References come from the cache where it holds them; `tick` is called before each. The scene must outlive this.
-  Sequence(const Scene& scene, const ReferenceSettings& settings, const std::function<void(int frame)>& tick);
+  /// References come from the cache where it holds them; `progress` is told how far all of them are. The scene must
+  /// outlive this.
+  Sequence(const Scene& scene, const ReferenceSettings& settings, const ReferenceProgress& progress);
 
   /// Shades every frame. The technique must be prepared. Writes a contact sheet: truth, image and signed error in
   /// columns by frame; one that cannot be written is a warning.

@@ -2,20 +2,25 @@
 
 #include <algorithm>
 
+#include "harness/report/markdown_table.h"
 #include "harness/report/row_text.h"
 #include "harness/report/tables.h"
+#include "harness/results/derived.h"
 
 namespace penumbra {
 namespace {
 
-/// The cheapest row of a technique whose error against truth is defined and within the limit.
-const Row* cheapest_within(double limit, const std::string& technique, const std::vector<const Row*>& rows) {
-  const Row* best = nullptr;
+std::vector<const Row*> rows_of(const std::string& technique, const std::vector<const Row*>& rows) {
+  std::vector<const Row*> own;
   for (const Row* row : rows)
-    if (row->id.technique == technique && row->score.truth_error() && *row->score.truth_error() <= limit &&
-        (!best || row->timing.median_frame_ms() < best->timing.median_frame_ms()))
-      best = row;
-  return best;
+    if (row->id.technique == technique) own.push_back(row);
+  return own;
+}
+
+std::string choice_text(const Row& row, bool unbeaten, const std::vector<const Row*>& rows) {
+  const std::string mark = unbeaten ? "**" : "", label = telling_parameters(row, rows);
+  return fmt::format("{}{} ms{}, {} %, {}{}{}", mark, three_digits(row.timing.median_frame_ms()), mark,
+                     rung_or_tie(row, "truth"), row.id.backend, label.empty() ? "" : " ", label);
 }
 
 }  // namespace
@@ -33,20 +38,26 @@ std::string make_choice_table(const std::vector<Row>& rows) {
       text += "None: the truth is black, and relative errors are undefined.\n";
       continue;
     }
-    text += "| technique |";
-    for (const double limit : limits) text += fmt::format(" {:g} % |", 100.0 * limit);
-    text += "\n|---|---|---|---|\n";
-    for (const std::string& technique : techniques) {
-      text += "| " + technique + " |";
-      for (const double limit : limits) {
-        const Row* best = cheapest_within(limit, technique, good);
-        text += best
-                    ? fmt::format(" {:.2f} ms, {:.2f} %, {} {} |", best->timing.median_frame_ms(),
-                                  100.0 * *best->score.truth_error(), best->id.backend, telling_parameters(*best, good))
-                    : " |";
-      }
-      text += "\n";
+    std::vector<std::string> columns = {"technique"};
+    std::vector<std::vector<const Row*>> found;  // by limit and technique
+    for (const double limit : limits) {
+      columns.push_back(fmt::format("{:g} %", 100.0 * limit));
+      std::vector<const Row*>& best = found.emplace_back();
+      for (const std::string& technique : techniques) best.push_back(best_within(limit, rows_of(technique, good)));
     }
+    MarkdownTable table(columns);
+    for (std::size_t t = 0; t < techniques.size(); ++t) {
+      std::vector<std::string> cells = {techniques[t]};
+      for (const std::vector<const Row*>& best : found) {
+        const bool unbeaten = best[t] && std::none_of(best.begin(), best.end(),
+                                                      [&](const Row* row) { return row && faster(*row, *best[t]); });
+        cells.push_back(best[t] ? choice_text(*best[t], unbeaten, good) : "");
+      }
+      if (std::any_of(found.begin(), found.end(), [&](const auto& best) { return best[t] != nullptr; }))
+        table.add(cells);
+    }
+    text += table.empty() ? "None is within 10 %.\n"
+                          : "Bold: no other technique is faster by more than the noise of both.\n\n" + table.text();
   }
   return text;
 }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "harness/report/markdown_table.h"
 #include "harness/report/row_text.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
@@ -97,29 +98,30 @@ std::map<std::string, double> PublishedTable::lookup(const Row& row) const {
 }
 
 std::string make_published_table(const PublishedTable& table, const std::vector<Row>& rows) {
-  std::string text = fmt::format("\n## Beside the published figures\n\n{}\n\n| scene | technique | backend | threads |",
-                                 table.title());
-  for (const std::string& key : table.keys()) text += fmt::format(" {} |", key);
-  text += " fps |";
-  for (const std::string& device : table.devices()) text += fmt::format(" published {0} | x {0} |", device);
-  text += " spheres % | cube % | truth % |\n|";
-  for (std::size_t k = 0; k < table.keys().size() + 2 * table.devices().size() + 8; ++k) text += "---|";
-  text += "\n";
+  std::vector<std::string> columns = {"scene", "technique", "backend", "threads"};
+  columns.insert(columns.end(), table.keys().begin(), table.keys().end());
+  columns.push_back("fps");
+  for (const std::string& device : table.devices())
+    columns.push_back("published " + device), columns.push_back("x " + device);
+  columns.insert(columns.end(), {"spheres %", "cube %", "truth %"});
+  MarkdownTable beside(columns);
   for (const Row& row : rows) {
     const auto published = row.ok() ? table.lookup(row) : std::map<std::string, double>();
     if (published.empty()) continue;
     const double fps = 1e3 / row.timing.median_frame_ms();
-    text += fmt::format("| {} | {} | {} | {} |", row.id.scene, row.id.technique, row.id.backend, row.id.threads);
-    for (const std::string& key : table.keys()) text += fmt::format(" {} |", value_of(row.id, key));
-    text += fmt::format(" **{:.1f}** |", fps);
+    std::vector<std::string> cells = {row.id.scene, row.id.technique, row.id.backend, std::to_string(row.id.threads)};
+    for (const std::string& key : table.keys()) cells.push_back(value_of(row.id, key));
+    cells.push_back("**" + three_digits(fps) + "**");
     for (const std::string& device : table.devices()) {
       const auto at = published.find(device);
-      text += at == published.end() ? " | |" : fmt::format(" {} | {:.3g} |", at->second, fps / at->second);
+      const bool known = at != published.end();
+      cells.push_back(known ? fmt::format("{}", at->second) : "");
+      cells.push_back(known ? three_digits(fps / at->second) : "");
     }
-    text += fmt::format(" {} | {} | {} |\n", rung_or_tie(row, "spheres"), rung_or_tie(row, "cube"),
-                        rung_or_tie(row, "truth"));
+    cells.insert(cells.end(), {rung_or_tie(row, "spheres"), rung_or_tie(row, "cube"), rung_or_tie(row, "truth")});
+    beside.add(cells);
   }
-  return text;
+  return fmt::format("\n## Beside the published figures\n\n{}\n\n", table.title()) + beside.text();
 }
 
 }  // namespace penumbra

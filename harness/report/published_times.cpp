@@ -7,7 +7,9 @@
 #include <regex>
 #include <tuple>
 
+#include "harness/report/markdown_table.h"
 #include "harness/report/published.h"
+#include "harness/report/row_text.h"
 #include "scenes/error.h"
 
 namespace penumbra {
@@ -58,11 +60,7 @@ void check_published_times(const Suite& suite) {
 
 std::string make_published_times_table(const Suite& suite, const std::vector<Row>& rows) {
   const Values values = load_values(suite.published);
-  std::string text = fmt::format(
-      "\n## Beside the published times\n\n{}\n\nRatios are over the first line of the same table, subject, backend and "
-      "threads.\n\n| table | subject | variant | published ms | ratio | row | stages | ms | ratio |\n"
-      "|---|---|---|---|---|---|---|---|---|\n",
-      values.title);
+  MarkdownTable table({"table", "subject", "variant", "published ms", "ratio", "row", "stages", "ms", "our ratio"});
   struct First {
     double published, measured;
   };
@@ -74,12 +72,16 @@ std::string make_published_times_table(const Suite& suite, const std::vector<Row
       const std::string group = fmt::format("{} {}, {} threads", row.id.scene, row.id.backend, row.id.threads);
       const First& first =
           firsts.try_emplace({line.table, line.subject, group}, First{published, measured}).first->second;
-      text += fmt::format("| {} | {} | {} | {} | {:.3f} | {}, {} | {} | {:.3f} | **{:.3f}** |\n", line.table,
-                          line.subject, line.variant, published, published / first.published, row.id.technique, group,
-                          line.stages.empty() ? "frame" : fmt::format("{}", fmt::join(line.stages, " + ")), measured,
-                          measured / first.measured);
+      table.add({line.table, line.subject, line.variant, three_digits(published),
+                 three_digits(published / first.published), row.id.technique + ", " + group,
+                 line.stages.empty() ? "frame" : fmt::format("{}", fmt::join(line.stages, " + ")),
+                 three_digits(measured), "**" + three_digits(measured / first.measured) + "**"});
     }
-  return text;
+  return fmt::format(
+             "\n## Beside the published times\n\n{}\n\nRatios are over the first line of the same table, subject, "
+             "backend and threads.\n\n",
+             values.title) +
+         table.text();
 }
 
 }  // namespace penumbra

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "harness/results/statistics.h"
 
@@ -24,6 +25,39 @@ std::string telling_parameters(const Row& row, const std::vector<const Row*>& ro
     if (telling) text += (text.empty() ? "" : " ") + name + "=" + to_string(value);
   }
   return text;
+}
+
+namespace {
+
+/// Has another row the same technique with another value of a property?
+template <class Property>
+bool differs(const Row& row, const std::vector<const Row*>& rows, Property property) {
+  return std::any_of(rows.begin(), rows.end(), [&](const Row* other) {
+    return other->id.technique == row.id.technique && property(other->id) != property(row.id);
+  });
+}
+
+}  // namespace
+
+std::string variant_label(const Row& row, const std::vector<const Row*>& rows) {
+  std::string text = row.id.technique;
+  if (differs(row, rows, [](const RowIdentity& id) { return id.backend; })) text += " " + row.id.backend;
+  if (const std::string parameters = telling_parameters(row, rows); !parameters.empty()) text += " " + parameters;
+  const auto threads = [&](const RowIdentity& id) {
+    return id.backend == row.id.backend ? id.threads : row.id.threads;
+  };
+  return differs(row, rows, threads) ? text + fmt::format(" threads={}", row.id.threads) : text;
+}
+
+std::string short_label(const Row& row, const std::vector<const Row*>& rows) {
+  const bool telling = row.id.reads_spheres && differs(row, rows, spheres_text);
+  return variant_label(row, rows) + (telling ? " spheres=" + spheres_text(row.id) : "");
+}
+
+std::string three_digits(double value) {
+  if (std::abs(value) >= 99.95) return fmt::format("{:.0f}", value);
+  std::string text = fmt::format("{:#.3g}", value);
+  return text.find('e') == std::string::npos ? text : fmt::format("{:.2g}", value);
 }
 
 std::string spheres_text(const RowIdentity& id) {
@@ -72,6 +106,13 @@ std::string geometry_text(const Row& row) {
   return errors.contains("cube") && errors.contains("spheres") ? percent_text(row.score.geometry) : "";
 }
 
+std::vector<const Row*> good_rows(const std::vector<Row>& rows) {
+  std::vector<const Row*> good;
+  for (const Row& row : rows)
+    if (row.ok()) good.push_back(&row);
+  return good;
+}
+
 std::vector<const Row*> good_rows(const std::vector<Row>& rows, const std::string& scene) {
   std::vector<const Row*> good;
   for (const Row& row : rows)
@@ -89,9 +130,13 @@ std::vector<std::string> scenes_of(const std::vector<Row>& rows) {
   return scenes;
 }
 
-std::string variant_columns(const Row& row, const std::vector<const Row*>& rows) {
-  return fmt::format("{} | {} | {} | {}", row.id.technique, row.id.backend, telling_parameters(row, rows),
-                     row.id.threads);
+std::vector<std::string> variant_columns() {
+  return {"technique", "backend", "parameters", "threads", "spheres"};
+}
+
+std::vector<std::string> variant_cells(const Row& row, const std::vector<const Row*>& rows) {
+  return {row.id.technique, row.id.backend, telling_parameters(row, rows), std::to_string(row.id.threads),
+          spheres_text(row.id)};
 }
 
 }  // namespace penumbra

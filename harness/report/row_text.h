@@ -15,6 +15,15 @@ std::string telling_parameters(const Row& row, const std::vector<const Row*>& ro
 /// How many spheres and what they were fitted for; empty if the variant does not look at them.
 std::string spheres_text(const RowIdentity& id);
 
+/// "pixel-basis visibility=raster": technique and telling parameters; backend and threads where another of the rows has
+/// the same technique with others.
+std::string variant_label(const Row& row, const std::vector<const Row*>& rows);
+/// The same, and the spheres where they differ: "pixel-basis spheres=64 cover".
+std::string short_label(const Row& row, const std::vector<const Row*>& rows);
+
+/// Three significant digits without an exponent: "1234", "123", "12.3", "0.0123".
+std::string three_digits(double value);
+
 /// "**12.345** ±0.012": median and half the interquartile range, which one sample does not have.
 std::string milliseconds_text(const Timing& timing);
 
@@ -29,7 +38,9 @@ std::string mean_or_tie(const std::vector<std::optional<double>>& relative, doub
 /// The same as rung_text() of Score::geometry; "" if the row lacks one of the rungs.
 std::string geometry_text(const Row& row);
 
-/// Rows that were measured on a scene.
+/// Rows that were measured.
+std::vector<const Row*> good_rows(const std::vector<Row>& rows);
+/// The same on one scene.
 std::vector<const Row*> good_rows(const std::vector<Row>& rows, const std::string& scene);
 /// Appends what is not there yet.
 void add_distinct(const std::string& value, std::vector<std::string>& all);
@@ -37,7 +48,8 @@ void add_distinct(const std::string& value, std::vector<std::string>& all);
 /// In order of first appearance.
 std::vector<std::string> scenes_of(const std::vector<Row>& rows);
 
-/// Technique, backend, telling parameters and threads, in columns.
-std::string variant_columns(const Row& row, const std::vector<const Row*>& rows);
+/// Names and values of the columns that say what a row is: technique, backend, parameters, threads, spheres.
+std::vector<std::string> variant_columns();
+std::vector<std::string> variant_cells(const Row& row, const std::vector<const Row*>& rows);
 
 }  // namespace penumbra

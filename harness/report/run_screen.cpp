@@ -8,6 +8,7 @@
 #include "harness/report/row_text.h"
 #include "harness/report/screen_text.h"
 #include "harness/results/derived.h"
+#include "harness/results/text.h"
 
 namespace penumbra {
 namespace {
@@ -29,7 +30,7 @@ std::string spread_text(const Row& row) {
 /// One row in the columns of all sections.
 std::vector<std::string> cells(const std::string& lead, const Row& row, const std::vector<const Row*>& rows) {
   return {lead,
-          label_of(row, rows),
+          short_label(row, rows),
           row.id.backend + (row.id.threads > 1 ? fmt::format(" x{}", row.id.threads) : ""),
           three_digits(row.timing.median_frame_ms()),
           spread_text(row),
@@ -58,7 +59,7 @@ std::vector<std::string> complaints(const std::vector<Row>& rows) {
       lines.back() = "... and more reasons why rows were not measured, in table.md";
       break;
     }
-    lines.push_back(cut(fmt::format("{} row{} {}", -count, count == -1 ? "" : "s", status), screen_columns));
+    lines.push_back(cut_to_columns(fmt::format("{} row{} {}", -count, count == -1 ? "" : "s", status), screen_columns));
   }
   return lines;
 }
@@ -79,21 +80,22 @@ class Screen {
     }
     if (shown < scenes.size()) table_.line(fmt::format("... and {} more scenes", scenes.size() - shown)), ++used_;
     if (scenes.size() == 1) add_undominated(scenes.front(), room - used_);
-    std::string text = cut(fmt::format("{}: {} rows on {} scene{}, {}", summary_.suite, rows_.size(), scenes.size(),
-                                       scenes.size() == 1 ? "" : "s", summary_.machine),
-                           screen_columns) +
+    std::string text = cut_to_columns(fmt::format("{}: {} rows on {} scene{}, {}", summary_.suite, rows_.size(),
+                                                  scenes.size(), scenes.size() == 1 ? "" : "s", summary_.machine),
+                                      screen_columns) +
                        "\n" + table_.text();
     for (const std::string& note : notes) text += note + "\n";
-    return text + cut(fmt::format("All rows, errors and stages ({:.0f} s): {}/table.md", summary_.seconds,
-                                  summary_.folder),
-                      screen_columns) +
+    return text +
+           cut_to_columns(
+               fmt::format("All rows, errors and stages ({:.0f} s): {}/table.md", summary_.seconds, summary_.folder),
+               screen_columns) +
            "\n";
   }
 
  private:
   void add_scene(const std::string& scene) {
     const std::vector<const Row*> good = good_rows(rows_, scene);
-    table_.line(cut(scene_line(scene, good), screen_columns - 2));
+    table_.line(cut_to_columns(scene_line(scene, good), screen_columns - 2));
     ++used_;
     for (const double limit : limits) add_best("", limit, good);
   }
@@ -135,29 +137,6 @@ class Screen {
 };
 
 }  // namespace
-
-std::string label_of(const Row& row, const std::vector<const Row*>& rows) {
-  std::string label = row.id.technique;
-  if (const std::string spheres = spheres_text(row.id); row.id.reads_spheres && row.id.spheres > 0)
-    label += fmt::format(" {} spheres", row.id.spheres);
-  if (const std::string parameters = telling_parameters(row, rows); !parameters.empty()) label += " " + parameters;
-  return label;
-}
-
-const Row* best_within(double limit, const std::vector<const Row*>& rows) {
-  const Row* best = nullptr;
-  const auto within = [&](const Row& row) {
-    if (row.timing.frame_ms.empty() || !row.score.truth_error()) return false;
-    return *row.score.truth_error() <= limit || row.score.errors.at("truth").tie();
-  };
-  for (const Row* row : rows)
-    if (within(*row) && (!best || row->timing.median_frame_ms() < best->timing.median_frame_ms())) best = row;
-  if (!best) return nullptr;
-  const Row* fastest = best;
-  for (const Row* row : rows)
-    if (within(*row) && !faster(*fastest, *row) && nearer(*row, *best)) best = row;
-  return best;
-}
 
 std::string make_run_screen(const RunSummary& summary, const std::vector<Row>& rows) {
   return Screen(summary, rows).text();

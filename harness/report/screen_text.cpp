@@ -1,45 +1,16 @@
 #include "harness/report/screen_text.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
-namespace penumbra {
+#include "harness/results/text.h"
 
-std::string three_digits(double value) {
-  if (!std::isfinite(value)) return fmt::format("{}", value);
-  if (std::abs(value) >= 100.0) return fmt::format("{:.0f}", value);
-  if (std::abs(value) < 1e-4) return fmt::format("{:.2g}", value);
-  return fmt::format("{:.3g}", value);
-}
+namespace penumbra {
 
 std::string with_thousands(std::size_t value) {
   std::string text = std::to_string(value);
   for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), ",");
   return text;
-}
-
-namespace {
-
-bool begins_code_point(char c) {
-  return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-}
-
-}  // namespace
-
-int columns_of(const std::string& text) {
-  return int(std::count_if(text.begin(), text.end(), begins_code_point));
-}
-
-std::string cut(const std::string& text, int columns) {
-  if (columns_of(text) <= columns) return text;
-  if (columns < 1) return "";
-  std::size_t end = 0;
-  for (int seen = 0; end < text.size(); ++end)
-    if (begins_code_point(text[end]) && seen++ == columns - 1) break;
-  return text.substr(0, end) + "…";
 }
 
 std::string wrapped(const std::string& text, int indent, const std::string& at_break) {
@@ -78,7 +49,7 @@ std::string TextTable::text() const {
     std::string line;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       if (widths[c] == 0) continue;
-      const std::string text = cut(cell(c), widths[c]);
+      const std::string text = cut_to_columns(cell(c), widths[c]);
       const std::string space(std::size_t(widths[c] - columns_of(text)), ' ');
       line += "  " + (columns_[c].align == Align::left ? text + space : space + text);
     }

@@ -8,15 +8,9 @@ namespace penumbra {
 
 inline constexpr int screen_columns = 100;
 
-/// Three significant digits, and no power of ten: "0.0571", "5.7", "1234".
-std::string three_digits(double value);
 /// "16,384".
 std::string with_thousands(std::size_t value);
 
-/// How many columns a UTF-8 text takes; code points count one each.
-int columns_of(const std::string& text);
-/// Cut to so many columns, with an ellipsis where something is missing.
-std::string cut(const std::string& text, int columns);
 /// Broken at spaces into lines that fit the screen, all but the first indented; ends with a newline. `at_break` ends
 /// the lines that go on (" \\" in a command). A word that is longer than the screen stays whole; '\x1f' becomes a space
 /// at which no line is broken.

@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
+#include <map>
 
+#include "harness/report/markdown_table.h"
 #include "harness/report/row_text.h"
 #include "harness/report/tables.h"
 #include "harness/results/derived.h"
@@ -16,74 +17,95 @@ std::string optional_number(const std::optional<double>& value) {
   return value ? fmt::format("{:.4f}", *value) : "";
 }
 
-/// Columns `signed`, `negative`, `PSNR`, `SSIM` and `FLIP`.
-std::string truth_columns(const Row& row) {
+/// Cells `signed`, `negative`, `PSNR`, `SSIM` and `FLIP`.
+std::vector<std::string> truth_cells(const Row& row) {
   const auto at = row.score.errors.find("truth");
-  if (at == row.score.errors.end()) return "| | | | |";
+  if (at == row.score.errors.end()) return std::vector<std::string>(5);
   const Errors& e = at->second.report.all;
-  return fmt::format("{} | {} | {} | {} | {} |", e.receivers > 0 ? fmt::format("{:+.2g}", e.mean_signed) : "undefined",
-                     e.negative, e.psnr ? fmt::format("{:.1f}", *e.psnr) : "undefined", optional_number(e.ssim),
-                     optional_number(e.flip));
+  return {e.receivers > 0 ? fmt::format("{:+.2g}", e.mean_signed) : "undefined",
+          e.negative > 0 ? std::to_string(e.negative) : "", e.psnr ? fmt::format("{:.1f}", *e.psnr) : "undefined",
+          optional_number(e.ssim), optional_number(e.flip)};
 }
 
-void append_rows(const std::vector<const Row*>& rows, const std::vector<const Row*>& scene_rows, std::string& text) {
-  text +=
-      "| | technique | backend | parameters | threads | spheres | prepare ms | update ms | shade ms | frame ms | "
-      "MiB | truth % | cube % | spheres % | geometry % | 13x13 % | signed | negative | PSNR | SSIM | FLIP |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+/// 1 for the row nearest to the truth; rows that are equally near share a rank. Where relative errors are undefined,
+/// the RMSE decides.
+std::string rank_by_error(const Row& row, const std::vector<const Row*>& rows) {
+  const auto truth = [](const Row& r) { return r.score.errors.find("truth"); };
+  if (truth(row) == row.score.errors.end()) return "";
+  const auto is_nearer = [&](const Row* other) {
+    if (truth(*other) == other->score.errors.end()) return false;
+    if (row.score.truth_error() || other->score.truth_error()) return nearer(*other, row);
+    return truth(*other)->second.report.all.rmse < truth(row)->second.report.all.rmse;
+  };
+  return std::to_string(1 + std::count_if(rows.begin(), rows.end(), is_nearer));
+}
+
+/// In order of frame time.
+std::string table_of(std::vector<const Row*> rows) {
+  MarkdownTable table({"",           "technique", "backend",   "parameters", "threads", "spheres",
+                       "prepare ms", "update ms", "shade ms",  "frame ms",   "MiB",     "truth %",
+                       "rank",       "cube %",    "spheres %", "geometry %", "13x13 %", "signed",
+                       "negative",   "PSNR",      "SSIM",      "FLIP"});
+  std::stable_sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) {
+    return a->timing.median_frame_ms() < b->timing.median_frame_ms();
+  });
   const std::vector<bool> optimal = pareto_optimal(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& r = *rows[i];
-    const std::string backend =
-        r.facts.instruction_set.empty() ? r.id.backend : r.id.backend + " " + r.facts.instruction_set;
-    text += fmt::format(
-        "| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | {} | {:.1f} | {} | {} | {} | {} | {} | "
-        "{}\n",
-        optimal[i] ? "P" : "", r.id.technique, backend, telling_parameters(r, scene_rows), r.id.threads,
-        spheres_text(r.id), r.timing.prepare_ms, median(r.timing.update_ms), median(r.timing.shade_ms),
-        milliseconds_text(r.timing), double(r.facts.bytes.total()) / 1048576.0, rung_or_tie(r, "truth"),
-        rung_or_tie(r, "cube"), rung_or_tie(r, "spheres"), geometry_text(r), rung_or_tie(r, "13x13"), truth_columns(r));
+    std::vector<std::string> cells = {optimal[i] ? "P" : ""};
+    for (const std::string& cell : variant_cells(r, rows)) cells.push_back(cell);
+    if (!r.facts.instruction_set.empty()) cells[2] += " " + r.facts.instruction_set;
+    cells.insert(cells.end(),
+                 {fmt::format("{:.1f}", r.timing.prepare_ms), fmt::format("{:.3f}", median(r.timing.update_ms)),
+                  fmt::format("{:.3f}", median(r.timing.shade_ms)), milliseconds_text(r.timing),
+                  fmt::format("{:.1f}", double(r.facts.bytes.total()) / 1048576.0), rung_or_tie(r, "truth"),
+                  rank_by_error(r, rows), rung_or_tie(r, "cube"), rung_or_tie(r, "spheres"), geometry_text(r),
+                  rung_or_tie(r, "13x13")});
+    for (const std::string& cell : truth_cells(r)) cells.push_back(cell);
+    table.add(cells);
   }
+  return table.text();
 }
 
-/// Orders rows of one scene as their relative errors do, where these are undefined too.
-double truth_rmse(const Row& row) {
-  const auto at = row.score.errors.find("truth");
-  return at == row.score.errors.end() ? std::numeric_limits<double>::infinity() : at->second.report.all.rmse;
+/// Why rows were not measured, each reason once.
+std::string reasons(const std::vector<const Row*>& rows) {
+  std::vector<std::string> order;
+  std::map<std::string, std::string> labels;  // by status
+  for (const Row* row : rows) {
+    add_distinct(row->status, order);
+    std::string& all = labels[row->status];
+    all += (all.empty() ? "" : ", ") + short_label(*row, rows);
+  }
+  std::string text;
+  for (const std::string& status : order) text += fmt::format("- {}: {}\n", labels[status], status);
+  return text;
 }
 
 }  // namespace
 
 std::string make_table(const std::vector<Row>& rows) {
   std::string text =
-      "Errors are relative RMSE in percent against each rung of the reference ladder; `(tie)`: no more than the "
-      "reference's own noise makes of an exact image. Frame times are medians with half the interquartile range of the "
-      "repetitions; where these ranges overlap, times are ties. `P`: no other row of the scene is faster and not "
-      "farther from the truth, or nearer and not slower.\n`signed`: mean of image - truth "
-      "in "
-      "W m^-2 sr^-1 (positive leaks light, negative over-darkens); `negative`: channel values below 0, left as they "
-      "are. PSNR, SSIM and FLIP are against truth. `geometry`: rung spheres against rung cube, what the sphere set "
-      "alone "
-      "adds.\n";
+      "\nErrors are relative RMSE in percent against each rung of the reference ladder; `(tie)`: no more than the "
+      "reference's own noise makes of an exact image; `rank`: 1 is nearest to the truth. Frame times are medians with "
+      "half the interquartile range of the repetitions; where these ranges overlap, times are ties. `P`: no other row "
+      "of the scene is faster and not farther from the truth, or nearer and not slower.\n`signed`: mean of image - "
+      "truth in W m^-2 sr^-1 (positive leaks light, negative over-darkens); `negative`: channel values below 0, left "
+      "as "
+      "they are. PSNR, SSIM and FLIP are against truth. `geometry`: rung spheres against rung cube, what the sphere "
+      "set "
+      "alone adds. Columns that no row has anything to say in are left out.\n";
   for (const std::string& scene : scenes_of(rows)) {
-    std::vector<const Row*> good, bad;
+    const std::vector<const Row*> good = good_rows(rows, scene);
+    std::vector<const Row*> bad;
     for (const Row& row : rows)
-      if (row.id.scene == scene) (row.ok() ? good : bad).push_back(&row);
-    const auto by = [&](auto key) {
-      std::vector<const Row*> sorted = good;
-      std::stable_sort(sorted.begin(), sorted.end(), [&](const Row* a, const Row* b) { return key(*a) < key(*b); });
-      return sorted;
-    };
+      if (row.id.scene == scene && !row.ok()) bad.push_back(&row);
     if (!good.empty()) {
       text += fmt::format("\n## {}: by frame time\n\n", scene);
       if (std::none_of(good.begin(), good.end(), [](const Row* r) { return r->score.truth_error().has_value(); }))
         text += "The truth is black: relative errors are undefined, and no row is marked.\n\n";
-      append_rows(by([](const Row& r) { return r.timing.median_frame_ms(); }), good, text);
-      text += fmt::format("\n## {}: by error against truth\n\n", scene);
-      append_rows(by(truth_rmse), good, text);
+      text += table_of(good);
     }
-    if (!bad.empty()) text += fmt::format("\n## {}: not measured\n\n", scene);
-    for (const Row* row : bad) text += fmt::format("- {}: {}\n", row->id.name(), row->status);
+    if (!bad.empty()) text += fmt::format("\n## {}: not measured\n\n", scene) + reasons(bad);
   }
   return text;
 }

@@ -1,6 +1,7 @@
 // The Markdown tables of finished rows. Each is empty where no row has anything to show in it.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -8,10 +9,15 @@
 
 namespace penumbra {
 
-/// Per scene, rows by frame time and by error against truth; Pareto-optimal rows are marked.
+/// What stands on top of a run's tables: suite, machine, date, repetitions, commit, from the context of results.json
+/// and the rows under it. What the context does not say is left out.
+std::string make_heading(const nlohmann::json& context, const std::vector<Row>& rows);
+
+/// Per scene, rows by frame time with their rank by error against truth; Pareto-optimal rows are marked.
 std::string make_table(const std::vector<Row>& rows);
 
-/// Per scene, the cheapest row of each technique under 1, 3 and 10 % of error against truth.
+/// Per scene, the cheapest row of each technique under 1, 3 and 10 % of error against truth: of rows that are equally
+/// fast within their noise, the nearest.
 std::string make_choice_table(const std::vector<Row>& rows);
 
 /// Errors against a suite's baseline.

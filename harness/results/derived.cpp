@@ -16,6 +16,22 @@ bool nearer(const Row& a, const Row& b) {
   return std::max(*ea, floor) < std::max(*eb, floor);
 }
 
+const Row* best_within(double limit, const std::vector<const Row*>& rows) {
+  std::vector<const Row*> within;
+  for (const Row* row : rows)
+    if (row->score.truth_error() && !row->timing.frame_ms.empty() &&
+        (*row->score.truth_error() <= limit || row->score.errors.at("truth").tie()))
+      within.push_back(row);
+  const auto fastest = std::min_element(within.begin(), within.end(), [](const Row* a, const Row* b) {
+    return a->timing.median_frame_ms() < b->timing.median_frame_ms();
+  });
+  if (fastest == within.end()) return nullptr;
+  const Row* best = *fastest;
+  for (const Row* row : within)
+    if (!faster(**fastest, *row) && nearer(*row, *best)) best = row;
+  return best;
+}
+
 std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows) {
   std::vector<bool> optimal(rows.size());
   const auto counts = [](const Row& row) { return row.ok() && row.score.truth_error(); };

@@ -16,6 +16,10 @@ bool faster(const Row& a, const Row& b);
 /// other. False where one of them is undefined.
 bool nearer(const Row& a, const Row& b);
 
+/// The best of some rows within an error against truth (ties are within any): the fastest; of rows that are as fast
+/// within the noise of both, the nearest to the truth. Null if none is within.
+const Row* best_within(double limit, const std::vector<const Row*>& rows);
+
 /// Rows of one scene that no other row beats: one that is faster and not farther from the truth, or nearer and not
 /// slower. A row whose error is undefined neither is optimal nor beats another.
 std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows);

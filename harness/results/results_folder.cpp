@@ -80,6 +80,11 @@ std::vector<Row> ResultsFolder::ordered() const {
   return rows;
 }
 
+nlohmann::json ResultsFolder::context() const {
+  const std::lock_guard guard(mutex_);
+  return context_;
+}
+
 std::vector<Row> ResultsFolder::rows() const {
   const std::lock_guard guard(mutex_);
   return ordered();

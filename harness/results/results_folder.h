@@ -35,6 +35,8 @@ class ResultsFolder {
   std::string save();
 
   const std::string& directory() const { return directory_; }
+  /// That of begin().
+  nlohmann::json context() const;
 
  private:
   std::vector<Row> ordered() const;

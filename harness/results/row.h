@@ -95,6 +95,7 @@ struct Facts {
     std::size_t total() const { return tables + per_scene + per_frame; }
   } bytes;                                      ///< Technique::footprint()
   std::map<std::string, std::size_t> counters;  ///< Technique::counters() after the scored frame
+  std::string image;  ///< of the scored frame: path below the folder of results, without .exr, .png or .error.png
 };
 
 struct Row {

@@ -177,6 +177,7 @@ void put_facts(const Facts& facts, json& out) {
   out["bytes"] = facts.bytes.total();
   out["footprint"] = bytes_json(facts.bytes);
   out["counters"] = facts.counters;
+  if (!facts.image.empty()) out["image"] = facts.image;
 }
 
 Facts facts_from(const json& in) {
@@ -186,6 +187,7 @@ Facts facts_from(const json& in) {
   const json& bytes = in.at("footprint");
   facts.bytes = {bytes.at("tables"), bytes.at("per_scene"), bytes.at("per_frame")};
   facts.counters = in.at("counters").get<std::map<std::string, std::size_t>>();
+  facts.image = in.value("image", "");
   return facts;
 }
 

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string>
 
-#include "harness/report/screen_text.h"
+#include "harness/results/text.h"
 
 namespace penumbra::test {
 

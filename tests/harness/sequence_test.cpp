@@ -36,9 +36,11 @@ TEST(Sequence, FlickerIsTheChangeOfError) {
   scene.motion = {Motion::Kind::rigid, 1.0f, 4.0f, 4};
   ReferenceSettings settings;
   settings.truth_noise = 0.01;
-  int ticks = 0;
-  const Sequence sequence(scene, settings, [&](int) { ++ticks; });
-  EXPECT_EQ(ticks, 4);
+  std::vector<double> shares;
+  const Sequence sequence(scene, settings, [&](double share) { shares.push_back(share); });
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  for (const double frame : {0.0, 0.25, 0.5, 0.75}) EXPECT_EQ(std::count(shares.begin(), shares.end(), frame), 1);
+  EXPECT_LE(shares.back(), 1.0);
 
   Blinking steady(0.0f), blinking(0.25f);
   const SequenceErrors calm = sequence.score(steady, 1.0, folder.path() + "/calm.png");
@@ -87,7 +89,7 @@ TEST(Sequence, BlackFramesAndSheetsThatCannotBeWritten) {
   scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
   scene.light = make_disc({0, 2, 0}, {0, 1, 0}, 0.5f, vec3(1.0f));
   scene.motion = {Motion::Kind::rigid, 1.0f, 4.0f, 2};
-  const Sequence sequence(scene, {}, [](int) {});
+  const Sequence sequence(scene, {}, [](double) {});
   Blinking steady(0.0f);
   const SequenceErrors errors = sequence.score(steady, 1.0, folder.write("file", "") + "/below-a-file.png");
   unsetenv("PENUMBRA_CACHE");

@@ -1,0 +1,20 @@
+// How text fits a screen. UTF-8; letters that may be two columns wide count as two, and what is no UTF-8 by bytes.
+#pragma once
+
+#include <string>
+
+namespace penumbra {
+
+/// How many columns a text takes on a screen.
+int columns_of(const std::string& text);
+
+/// The text if it takes at most so many columns, else as much of it as they hold with an ellipsis behind it.
+std::string cut_to_columns(const std::string& text, int columns);
+
+/// The text without its last letter.
+std::string without_last_letter(std::string text);
+
+/// A time in seconds as "12 s", "3 min 20 s", "2 h 05 min", rounded up.
+std::string duration_text(double seconds);
+
+}  // namespace penumbra
