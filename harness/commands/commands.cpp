@@ -1,7 +1,6 @@
 #include "harness/commands/commands.h"
 
 #include <fmt/ranges.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,6 +13,7 @@
 #include "harness/results/pictures.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
+#include "scenes/log.h"
 #include "scenes/scene_file.h"
 #include "techniques/registry.h"
 
@@ -117,7 +117,7 @@ void render(const RenderOptions& options) {
   const auto shaded = std::chrono::steady_clock::now();
   save(options.output, image, frame);
   if (!light_arrives(frame.light, frame.receivers))
-    spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, false));
+    warn("{}", black_note(scene.name, frame.light, frame.receivers, false));
   using ms = std::chrono::duration<double, std::milli>;
   fmt::print("{}: prepared in {:.1f} ms, shaded in {:.2f} ms (once, cold; `run` measures)\n", options.output,
              ms(prepared - start).count(), ms(shaded - prepared).count());
@@ -139,7 +139,7 @@ void reference(const ReferenceOptions& options) {
   fmt::print("{}\n", options.json ? reference_json(scene.name, r, valid, black).dump(1)
                                   : reference_line(scene.name, r, valid, black));
   if (!(rms(r.mean, valid) > black))
-    spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, rms(r.unshadowed, valid) > black));
+    warn("{}", black_note(scene.name, frame.light, frame.receivers, rms(r.unshadowed, valid) > black));
   if (!options.output.empty()) save(options.output, r.mean, frame);
 }
 
