@@ -111,6 +111,17 @@ SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const Sphere
   return listed_spheres(at, *list);
 }
 
+/// From z up to y up: a quarter turn about x, so that winding and handedness stay.
+dvec3 turned_upright(dvec3 p) {
+  return {p.x, p.z, -p.y};
+}
+
+bool read_z_up(TomlReader& at) {
+  const std::string up = at.text("up").value_or("y");
+  if (up != "y" && up != "z") at.fail("up", "is '" + up + "'; allowed are y, z");
+  return up == "z";
+}
+
 Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& objective) {
   Occluder occluder;
   const std::string name = at.required("mesh", at.text("mesh"), "an asset name, a path or a shape");
@@ -122,7 +133,14 @@ Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& o
     const std::string file = resolve(at, "mesh", name, "mesh", shape_names);
     occluder.mesh = at_key(at, "mesh", [&] { return import_mesh(file); });
   }
+  const bool z_up = read_z_up(at);
+  if (z_up) {
+    for (dvec3& p : occluder.mesh.positions) p = turned_upright(p);
+    for (vec3& n : occluder.mesh.normals) n = vec3(turned_upright(n));
+  }
   occluder.spheres = spheres_of(at, occluder.mesh, choice, objective);
+  if (z_up && objective.empty())  // fitted ones are of the turned mesh
+    for (glm::dvec4& s : occluder.spheres) s = {turned_upright(dvec3(s)), s.w};
   if (auto fit = at.table("fit")) {
     if (occluder.mesh.triangles.empty()) at.fail("fit", "needs a mesh");
     const double height = fit->number("height", tiny, huge).value_or(0.0);

@@ -135,14 +135,15 @@ class SceneJobs {
   void time_checked() {
     std::vector<TimedItem> items;
     for (const auto& [variant, c] : checked_)
-      items.push_back({c.row.id.name(), c.technique.get(), c.row.id.threads, c.estimate_ms, c.row.timing, ""});
+      items.push_back(
+          {c.row.id.name(), c.technique.get(), &context_.scene(), c.row.id.threads, c.estimate_ms(), c.row.timing, ""});
     const auto finished = [&](const TimedItem& item) {
       auto& [variant, c] = checked_[std::size_t(&item - items.data())];
       c.row.timing = item.timing;
       if (!item.failure.empty()) c.row.status = "failed: " + item.failure;
       finish(variant, c.row);
     };
-    time_items(items, context_.scene(), plan_.repetitions,
+    time_items(items, plan_.repetitions,
                {[&] {
                   if (interrupted()) return;
                   progress_.step(context_.scene().name + ": timing");
