@@ -23,6 +23,14 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(penumbra_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
 endif()
 
+# Kernels are compiled once per instruction set. SSSE3 and SSE4 are for processors from before 2013, which the baseline
+# serves as well; sets beyond AVX3 (bits below its own) have nothing that our kernels use. On ARM nothing is left out.
+option(PENUMBRA_ALL_TARGETS "Compile kernels for every instruction set that Highway knows" OFF)
+if(NOT PENUMBRA_ALL_TARGETS)
+  target_compile_definitions(penumbra_options INTERFACE
+    "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|(HWY_AVX3-1))")
+endif()
+
 if(PENUMBRA_SANITIZERS)
   # One instruction set: the kernels' source is the same for all, and instrumented it compiles slowly.
   target_compile_definitions(penumbra_options INTERFACE HWY_COMPILE_ONLY_STATIC)
@@ -32,9 +40,12 @@ if(PENUMBRA_SANITIZERS)
   target_link_options(penumbra_options INTERFACE -fsanitize=${PENUMBRA_SANITIZERS})
 endif()
 
+# With paths relative to the checkout, another checkout finds what this one compiled. The sloppiness is what ccache's
+# manual asks for with precompiled headers; no source of ours uses __TIME__ or __DATE__.
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+      CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
 # penumbra_library(name SOURCES ... LINK ...): a static library with our options.
@@ -42,4 +53,30 @@ function(penumbra_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC penumbra_options ${ARG_LINK})
+endfunction()
+
+# penumbra_precompile(target <header>...): headers that many sources of a target read are parsed once: these and the given
+# ones. Only headers of libraries: paths of this checkout would keep the compiler cache from serving another one. Sources
+# still include what they use; the preset `asan` compiles them without (CMAKE_DISABLE_PRECOMPILE_HEADERS).
+function(penumbra_precompile target)
+  target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <filesystem> <fmt/format.h> <fmt/ranges.h>
+    <fstream> <functional> <glm/glm.hpp> <map> <memory> <numeric> <optional> <set> <span> <string> <vector> ${ARGN})
+endfunction()
+
+# penumbra_optimise_less(target REGEX): sources that match run for milliseconds and compile for many seconds. Never for
+# what is timed or makes a result.
+function(penumbra_optimise_less target regex)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "${regex}")
+  set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
+endfunction()
+
+# penumbra_bench(name source library): times parts of a library alone. Built with the tests, or when asked for by name.
+function(penumbra_bench name source library)
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE ${library} benchmark::benchmark)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+  if(NOT PENUMBRA_TESTS)
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
 endfunction()

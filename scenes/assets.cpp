@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include "scenes/shapes.h"
@@ -11,11 +10,6 @@
 
 namespace penumbra {
 namespace fs = std::filesystem;
-
-std::string data_folder() {
-  const char* overridden = std::getenv("PENUMBRA_DATA");
-  return overridden ? overridden : PENUMBRA_DATA_FOLDER;
-}
 
 const std::vector<Asset>& assets() {
   static const std::vector<Asset> all = [] {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/data_folder.h"  // IWYU pragma: export
 #include "scenes/mesh.h"
 
 namespace penumbra {
@@ -12,9 +13,6 @@ struct Asset {
   std::string name, kind;  ///< kind: "mesh" or "environment"
   std::string file, package, licence;
 };
-
-/// Folder that holds assets.toml, library/ and suites/: $PENUMBRA_DATA, or where the sources were built from.
-std::string data_folder();
 
 const std::vector<Asset>& assets();
 

@@ -1,11 +1,10 @@
 #include "scenes/environment.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "scenes/error.h"
+#include "scenes/log.h"
 #include "scenes/projection.h"
 
 namespace penumbra {
@@ -194,8 +193,8 @@ Environment from_angular(const Image& image) {
 Environment environment_from_image(Image image, Layout layout, const std::string& what) {
   if (image.pixels.empty()) throw Error("{}: the image is empty", what);
   if (const SanitizeCounts bad = sanitize(image.pixels))
-    spdlog::warn("{}: {} NaN and {} negative values set to 0, {} infinite ones capped", what, bad.nan, bad.negative,
-                 bad.infinite);
+    warn("{}: {} NaN and {} negative values set to 0, {} infinite ones capped", what, bad.nan, bad.negative,
+         bad.infinite);
   const bool says_cube = layout == Layout::automatic && image.envmap == Envmap::cube;
   if (layout == Layout::automatic && image.envmap == Envmap::lat_long) layout = Layout::lat_long;
   if (layout == Layout::automatic && !says_cube) layout = layout_of(image, what);

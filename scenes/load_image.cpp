@@ -1,5 +1,4 @@
 // Pictures as their files mean them. What a file says about its pixels is applied and said, or refused.
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "scenes/image_input.h"
 #include "scenes/image_layers.h"
 #include "scenes/image_orientation.h"
+#include "scenes/log.h"
 #include "scenes/radiance_header.h"
 
 namespace penumbra {
@@ -21,7 +21,7 @@ void convert(std::vector<vec3>& pixels, const glm::dmat3& matrix) {
 
 void convert_to_rec709(std::vector<vec3>& pixels, const Chromaticities& primaries, const std::string& path) {
   convert(pixels, convert_primaries(primaries, rec709));
-  spdlog::info("{}: the file's primaries ({}) are converted to those of Rec. 709", path, to_string(primaries));
+  inform("{}: the file's primaries ({}) are converted to those of Rec. 709", path, to_string(primaries));
 }
 
 // ---- Radiance pictures
@@ -51,17 +51,17 @@ std::vector<float> read_radiance_pixels(const RadianceHeader& header, const std:
 void undo(const RadianceHeader& header, std::vector<vec3>& pixels, const std::string& path) {
   if (header.gamma != 1.0) {
     for (vec3& p : pixels) p = glm::pow(p, vec3(float(header.gamma)));
-    spdlog::warn("{}: GAMMA of the header is applied: pixel values are raised to {:.6g}", path, header.gamma);
+    warn("{}: GAMMA of the header is applied: pixel values are raised to {:.6g}", path, header.gamma);
   }
   if (header.xyz) {  // of no primaries; ra_xyze -r would make XYZ = 1 white instead of D65
     convert(pixels, glm::inverse(xyz_from_rgb(rec709)));
-    spdlog::info("{}: CIE XYZ (XYZE) is converted to RGB of Rec. 709, whose white is D65", path);
+    inform("{}: CIE XYZ (XYZE) is converted to RGB of Rec. 709, whose white is D65", path);
   }
   if (header.exposure != 1.0)
-    spdlog::info("{}: EXPOSURE of the header is undone: pixel values are divided by {:.6g}", path, header.exposure);
+    inform("{}: EXPOSURE of the header is undone: pixel values are divided by {:.6g}", path, header.exposure);
   if (const dvec3 c = header.correction; c != dvec3(1.0))
-    spdlog::info("{}: COLORCORR of the header is undone: pixel values are divided by {:.6g} {:.6g} {:.6g}", path, c.x,
-                 c.y, c.z);
+    inform("{}: COLORCORR of the header is undone: pixel values are divided by {:.6g} {:.6g} {:.6g}", path, c.x, c.y,
+           c.z);
   const dvec3 divisor = header.exposure * header.correction;
   for (vec3& p : pixels) p = vec3(dvec3(p) / divisor);
   // Radiance's own primaries are taken for Rec. 709's, as everyone does.
@@ -77,7 +77,7 @@ Image load_radiance(const std::string& bytes, const std::string& path) {
   for (std::size_t i = 0; i < stored.pixels.size(); ++i)
     stored.pixels[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
   undo(header, stored.pixels, path);
-  if (header.orientation != Orientation{}) spdlog::info("{}: set upright as its resolution line says", path);
+  if (header.orientation != Orientation{}) inform("{}: set upright as its resolution line says", path);
   return upright(std::move(stored), header.orientation);
 }
 
@@ -95,12 +95,12 @@ Layer find_layer(ImageInput& input, const std::string& wanted, const std::string
       for (Layer& layer : find_layers(part, name, names())) layers.push_back(std::move(layer));
     }
     Layer layer = choose_layer(layers, wanted, path);
-    if (wanted.empty() && !layer.name.empty()) spdlog::info("{}: layer '{}' is used", path, layer.address());
+    if (wanted.empty() && !layer.name.empty()) inform("{}: layer '{}' is used", path, layer.address());
     input.seek(layer.part);
     return layer;
   }
   if (!wanted.empty()) throw Error("{}: only OpenEXR images have layers; leave 'layer' out", path);
-  if (input.seek(1)) spdlog::warn("{}: the first of several images in this file is used", path);
+  if (input.seek(1)) warn("{}: the first of several images in this file is used", path);
   input.seek(0);
   if (input.spec().nchannels == 1) return {0, "", "", Layer::Kind::grey, {0, 0, 0}, -1};
   return choose_layer(find_layers(0, "", names()), "", path);
@@ -153,8 +153,8 @@ void make_linear(std::vector<vec3>& pixels, const OIIO::ImageSpec& spec, const s
   }
   if (!integers && space == "linear") return;
   const std::string profile = spec.get_string_attribute("ICCProfile:profile_description");
-  spdlog::warn("{}: an image of low dynamic range ({}) is used as light: what was brighter than its white is lost{}",
-               path, curve, profile.empty() ? "" : "; its colour profile '" + profile + "' is not applied");
+  warn("{}: an image of low dynamic range ({}) is used as light: what was brighter than its white is lost{}", path,
+       curve, profile.empty() ? "" : "; its colour profile '" + profile + "' is not applied");
 }
 
 void apply_alpha(Pixels& pixels, const OIIO::ImageSpec& spec, const std::string& path) {
@@ -164,8 +164,8 @@ void apply_alpha(Pixels& pixels, const OIIO::ImageSpec& spec, const std::string&
   const bool separate = spec.get_int_attribute("oiio:UnassociatedAlpha") != 0;
   if (separate)
     for (std::size_t i = 0; i < pixels.alpha.size(); ++i) pixels.colours[i] *= pixels.alpha[i];
-  spdlog::warn("{}: {} of {} pixels are transparent, {} of them wholly; {} multiplied by alpha", path, transparent,
-               pixels.alpha.size(), clear, separate ? "their colours are" : "colours are used as stored,");
+  warn("{}: {} of {} pixels are transparent, {} of them wholly; {} multiplied by alpha", path, transparent,
+       pixels.alpha.size(), clear, separate ? "their colours are" : "colours are used as stored,");
 }
 
 void convert_colours(std::vector<vec3>& pixels, const OIIO::ImageSpec& spec, const Layer& layer,
@@ -177,7 +177,7 @@ void convert_colours(std::vector<vec3>& pixels, const OIIO::ImageSpec& spec, con
   if (layer.kind == Layer::Kind::chroma) {
     const dvec3 weights = luminance_weights(primaries);
     for (vec3& p : pixels) p = rgb_from_chroma(p.x, p.y, p.z, weights);
-    spdlog::info("{}: luminance and chroma (Y, RY, BY) are converted to RGB", path);
+    inform("{}: luminance and chroma (Y, RY, BY) are converted to RGB", path);
   }
   if (layer.kind != Layer::Kind::grey && !same_colours(primaries, rec709)) convert_to_rec709(pixels, primaries, path);
 }
@@ -199,10 +199,10 @@ Image in_display_window(Image data, const ImageInput& input, const std::string& 
         shown.pixels[std::size_t(y) * shown.width + x] = data.pixels[std::size_t(y + dy) * data.width + (x + dx)];
         ++kept;
       }
-  spdlog::log(
-      kept < shown.pixels.size() ? spdlog::level::warn : spdlog::level::info,
+  const std::string said = fmt::format(
       "{}: the display window is {} x {} pixels: {} that the file does not hold are black, {} outside are cut off",
       path, shown.width, shown.height, shown.pixels.size() - kept, data.pixels.size() - kept);
+  kept < shown.pixels.size() ? log_warning(said) : log_information(said);
   return shown;
 }
 
@@ -231,7 +231,7 @@ Image load_image(const std::string& path, const std::string& layer) {
   convert_colours(pixels.colours, spec, chosen, path);
   Image image = in_display_window({spec.width, spec.height, std::move(pixels.colours), envmap_of(spec)}, input, path);
   const Orientation orientation = orientation_from_exif(spec.get_int_attribute("Orientation", 1));
-  if (orientation != Orientation{}) spdlog::info("{}: set upright as its orientation tag says", path);
+  if (orientation != Orientation{}) inform("{}: set upright as its orientation tag says", path);
   return upright(std::move(image), orientation);
 }
 

@@ -1,10 +1,12 @@
 #include "scenes/radiance_header.h"
 
+#include <cctype>
 #include <cmath>
-#include <regex>
+#include <optional>
 #include <sstream>
 
 #include "scenes/error.h"
+#include "scenes/pattern.h"
 
 namespace penumbra {
 namespace {
@@ -66,13 +68,13 @@ void read_variable(const std::string& name, const std::string& text, const std::
 }
 
 void read_resolution(const std::string& line, const std::string& path, RadianceHeader& header) {
-  static const std::regex form(R"(\s*([-+])([XY])\s+(\d{1,9})\s+([-+])([XY])\s+(\d{1,9}))");
-  std::smatch part;
-  if (!std::regex_match(line, part, form) || part[2] == part[5])
+  static const Pattern form("form", R"(\s*([-+])([XY])\s+(\d{1,9})\s+([-+])([XY])\s+(\d{1,9}))");
+  const std::vector<std::string> part = form.parts_of(line);
+  if (part.empty() || part[2] == part[5])
     throw Error("{}: the resolution line is '{}', which should be such as '-Y 512 +X 1024'", path, quoted(line));
   header.height = std::stoi(part[3]), header.width = std::stoi(part[6]);
   if (header.width == 0 || header.height == 0) throw Error("{}: the image is empty", path);
-  const auto sign = [&](const char* axis) { return *(part[2] == axis ? part[1] : part[4]).first; };
+  const auto sign = [&](const char* axis) { return (part[2] == axis ? part[1] : part[4]).front(); };
   // Y points up: a picture whose rows go to +Y begins at the bottom.
   header.orientation = {part[2] == "X", sign("X") == '-', sign("Y") == '+'};
 }
@@ -87,12 +89,13 @@ bool is_radiance_picture(const std::string& bytes) {
 
 RadianceHeader read_radiance_header(const std::string& bytes, const std::string& path) {
   // Without a space in front: lines that were moved in tell of the pictures which this one was made from.
-  static const std::regex form(R"(([A-Z]+)[ \t]*=[ \t]*(.*))");
+  static const Pattern form("form", R"(([A-Z]+)[ \t]*=[ \t]*(.*))");
   RadianceHeader header;
   std::optional<std::string> line;
   while ((line = next_line(bytes, header.size)) && !line->empty()) {
-    std::smatch part;
-    if (line->size() < 4096 && std::regex_match(*line, part, form)) read_variable(part[1], part[2], path, header);
+    if (line->size() >= 4096) continue;
+    const std::vector<std::string> part = form.parts_of(*line);
+    if (!part.empty()) read_variable(part[1], part[2], path, header);
   }
   if (!line) throw Error("{}: the header of this Radiance picture does not end (an empty line ends it)", path);
   line = next_line(bytes, header.size);

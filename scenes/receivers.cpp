@@ -1,12 +1,12 @@
 #include "scenes/receivers.h"
 
-#include <spdlog/spdlog.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <limits>
 
 #include "scenes/error.h"
+#include "scenes/log.h"
 #include "scenes/ray_origins.h"
 
 namespace penumbra {
@@ -22,7 +22,7 @@ void warn_of_large_triangles(const Receivers& r) {
     most = std::max(most, glm::distance(r.origin[i], r.position[i]));
   }
   if (most > 1e-3f * glm::distance(low, high) && r.size() > 1)
-    spdlog::warn(
+    warn(
         "receivers lie on triangles so large that their rays must start {:.2g} m above them, {:.2g} % of what is "
         "looked "
         "at: divide the largest triangles of the mesh",

@@ -1,13 +1,13 @@
 #include "scenes/scene_file.h"
 
 #include <fmt/ranges.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "scenes/assets.h"
+#include "scenes/log.h"
 #include "scenes/names.h"
 #include "scenes/shapes.h"
 #include "scenes/toml_reader.h"
@@ -345,7 +345,7 @@ Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, co
   scene.mesh = narrowed(occluder.mesh, scene.origin);
   if (!scene.mesh.empty()) validate(scene.mesh, scene.name);
   if (const std::size_t coarse = count_coarse(scene.mesh))
-    spdlog::warn(
+    warn(
         "{}: {} of {} triangles lie so far from the receivers that single precision rounds their corners by more than "
         "a thousandth of their size",
         scene.name, coarse, scene.mesh.triangles.size());

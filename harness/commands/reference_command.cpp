@@ -1,6 +1,5 @@
 // penumbra reference: one rung of the reference ladder.
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "harness/measure/reference.h"
 #include "harness/results/metrics.h"
 #include "scenes/error.h"
+#include "scenes/log.h"
 #include "scenes/scene_file.h"
 
 namespace penumbra {
@@ -76,7 +76,7 @@ void reference(const ReferenceOptions& options) {
   fmt::print("{}\n", options.json ? reference_json(scene.name, r, valid, black).dump(1)
                                   : reference_line(scene.name, r, valid, black));
   if (!(rms(r.mean, valid) > black))
-    spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, rms(r.unshadowed, valid) > black));
+    warn("{}", black_note(scene.name, frame.light, frame.receivers, rms(r.unshadowed, valid) > black));
   if (!options.output.empty()) save_image(options.output, r.mean, frame);
 }
 

@@ -1,5 +1,4 @@
 // penumbra render: one image of one technique.
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -9,6 +8,7 @@
 #include "harness/measure/black_truth.h"
 #include "harness/measure/progress.h"
 #include "scenes/error.h"
+#include "scenes/log.h"
 #include "scenes/scene_file.h"
 #include "techniques/registry.h"
 
@@ -43,7 +43,7 @@ void render(const RenderOptions& options) {
   progress.finish();
   save_image(options.output, image, frame);
   if (!light_arrives(frame.light, frame.receivers))
-    spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, false));
+    warn("{}", black_note(scene.name, frame.light, frame.receivers, false));
   using ms = std::chrono::duration<double, std::milli>;
   fmt::print("{}: prepared in {:.1f} ms, shaded in {:.2f} ms (once, cold; `run` measures)\n", options.output,
              ms(prepared - start).count(), ms(shaded - prepared).count());

@@ -1,7 +1,6 @@
 #include "harness/commands/run.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,6 +18,7 @@
 #include "harness/report/run_screen.h"
 #include "harness/report/tables.h"
 #include "harness/results/provenance.h"
+#include "scenes/log.h"
 
 namespace penumbra {
 namespace {
@@ -63,14 +63,14 @@ void warn_of_threads(const Plan& plan) {
     for (const Job& job : scene.jobs)
       if (job.kind == Job::Kind::measurement) most = std::max(most, plan.suite->variants[job.variant].threads);
   if (most > cores)
-    spdlog::warn("some rows ask for {} threads, and this machine has {} cores: their times are of threads that wait",
-                 most, cores);
+    warn("some rows ask for {} threads, and this machine has {} cores: their times are of threads that wait", most,
+         cores);
 }
 
 void warn_of_load(const nlohmann::json& context) {
   if (context.at("busy").get<bool>())
-    spdlog::warn("this machine is busy: its load is {:.1f} on {} cores; times are marked so in results.json",
-                 context.at("load_avg").at(0).get<double>(), context.at("num_cpus").get<int>());
+    warn("this machine is busy: its load is {:.1f} on {} cores; times are marked so in results.json",
+         context.at("load_avg").at(0).get<double>(), context.at("num_cpus").get<int>());
 }
 
 /// Scene and variant of everything that a suite measures, whatever a filter leaves of it.
@@ -100,8 +100,7 @@ std::vector<Row> comparable_rows(const std::string& directory, const Suite& suit
     if (earlier.context.value("busy", false)) context["busy"] = true;
     return earlier.rows;
   }
-  spdlog::warn("{}/results.json: none of its {} rows is kept, all is measured again: {}", directory,
-               earlier.rows.size(), why);
+  warn("{}/results.json: none of its {} rows is kept, all is measured again: {}", directory, earlier.rows.size(), why);
   return {};
 }
 
@@ -173,7 +172,7 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
                                  say_what_is_kept(folder);
                                });
     const std::size_t kept = execute(plan, registry, earlier, folder);
-    if (!earlier.empty()) spdlog::info("{} of {} rows of the earlier run were kept", kept, earlier.size());
+    if (!earlier.empty()) inform("{} of {} rows of the earlier run were kept", kept, earlier.size());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return finish(folder, tables, summary_of(suite, folder, context, seconds));

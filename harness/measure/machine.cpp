@@ -41,9 +41,10 @@ std::string program_digest() {
   return hash.digest();
 }
 
+/// Those of this processor that kernels were compiled for.
 std::string instruction_sets() {
   std::string names;
-  for (int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+  for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
     if (!names.empty()) names += ' ';
     names += hwy::TargetName(left & -left);
   }
@@ -54,7 +55,9 @@ std::string instruction_sets() {
 
 std::map<std::string, std::string> describe_machine() {
   const std::string git = "git -C '" + data_folder() + "' ";
-  const std::string commit = output_of(git + "rev-parse HEAD");
+  // An installation may lie in a repository of something else.
+  const bool ours = !output_of(git + "ls-files assets.toml").empty();
+  const std::string commit = ours ? output_of(git + "rev-parse HEAD") : "";
   std::map<std::string, std::string> machine = cuda_context();
   machine.insert({{"cpu_name", cpu_name()},
                   {"instruction_sets", instruction_sets()},
@@ -63,7 +66,7 @@ std::map<std::string, std::string> describe_machine() {
                   {"build_type", PENUMBRA_BUILD_TYPE},
                   {"program", program_digest()},
                   {"commit", commit.empty() ? "unknown" : commit},
-                  {"dirty", output_of(git + "status --porcelain").empty() ? "false" : "true"},
+                  {"dirty", !ours || output_of(git + "status --porcelain").empty() ? "false" : "true"},
                   {"cuda", cuda_status()}});
   return machine;
 }

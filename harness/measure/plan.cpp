@@ -5,24 +5,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <regex>
 #include <set>
 
 #include "scenes/assets.h"
 #include "scenes/cache.h"
 #include "scenes/error.h"
 #include "scenes/names.h"
+#include "scenes/pattern.h"
 
 namespace penumbra {
 namespace {
-
-std::regex checked_regex(const std::string& text) {
-  try {
-    return std::regex(text);
-  } catch (const std::regex_error& e) {
-    throw Error("--filter '{}' is not a regular expression: {}", text, e.what());
-  }
-}
 
 /// read_outline(); a scene that is not there is a mistake of the suite.
 SceneOutline outline_of(const Suite& suite, const std::string& listed, const SphereChoice& choice = {}) {
@@ -135,7 +127,7 @@ RowIdentity identity_of(const SceneOutline& scene, const Variant& variant) {
 }
 
 Plan make_plan(const Suite& suite, const std::string& filter, int repetitions) {
-  const std::regex wanted = checked_regex(filter);
+  const Pattern wanted("--filter", filter);
   check_scene_names(suite);
   Plan plan{&suite, repetitions > 0 ? repetitions : suite.repetitions, {}};
   std::set<std::string> titles;
@@ -151,7 +143,7 @@ Plan make_plan(const Suite& suite, const std::string& filter, int repetitions) {
       std::vector<std::size_t> variants;
       for (std::size_t k = 0; k < suite.variants.size(); ++k) {
         const RowIdentity id = identity_of(o, suite.variants[k]);
-        if (!std::regex_search(id.name(), wanted)) continue;
+        if (!wanted.is_in(id.name())) continue;
         if (id.reads_spheres || without_spheres.insert(k).second) variants.push_back(k);
       }
       if (variants.empty()) continue;

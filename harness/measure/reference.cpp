@@ -1,6 +1,5 @@
 #include "harness/measure/reference.h"
 
-#include <spdlog/spdlog.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
@@ -14,6 +13,7 @@
 #include "harness/measure/truth_samples.h"
 #include "harness/results/metrics.h"
 #include "scenes/error.h"
+#include "scenes/log.h"
 #include "techniques/bases/pixel_sum.h"
 #include "techniques/bases/random.h"
 #include "techniques/bases/ray_packets.h"
@@ -66,7 +66,7 @@ bool reaches_noise(const Reference& truth, const Receivers& receivers, const Ref
 void warn_of_noise(const Reference& reference, const Receivers& receivers, const ReferenceSettings& settings) {
   if (reference.rung != Rung::truth || reaches_noise(reference, receivers, settings)) return;
   const std::vector<bool> valid = valid_receivers(receivers);
-  spdlog::warn(
+  warn(
       "the truth's standard error is {:.2g} % of its RMS after {} rays a receiver, {:.2g} % was asked for: errors "
       "below "
       "it are ties; ask for no less than it (--noise, truth_noise), or look at receivers that more light reaches",

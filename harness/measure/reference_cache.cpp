@@ -1,5 +1,4 @@
 // References on disk: EXR files named by the hash of what they depend on, with a checksum of their pixels inside.
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -7,6 +6,7 @@
 #include "harness/measure/reference.h"
 #include "scenes/cache.h"
 #include "scenes/error.h"
+#include "scenes/log.h"
 
 namespace penumbra {
 namespace {
@@ -119,14 +119,14 @@ Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSetting
       warn_of_noise(reference, frame.receivers, settings);  // of a file as of a fresh one
       return reference;
     } catch (const std::exception& e) {
-      spdlog::warn("reference cache: {}; computing it anew", e.what());
+      warn("reference cache: {}; computing it anew", e.what());
     }
   }
   Reference reference = compute_reference(frame, rung, settings, progress);
   try {
     store(path, key, reference);
   } catch (const std::exception& e) {
-    spdlog::warn("reference cache: {}; going on without", e.what());
+    warn("reference cache: {}; going on without", e.what());
   }
   return reference;
 }

@@ -1,9 +1,9 @@
 #include "harness/results/pictures.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "scenes/log.h"
 
 namespace penumbra {
 
@@ -11,7 +11,7 @@ void try_to_save(const std::function<void()>& save) {
   try {
     save();
   } catch (const std::exception& e) {
-    spdlog::warn("{}; going on without", e.what());
+    warn("{}; going on without", e.what());
   }
 }
 

@@ -1,7 +1,5 @@
 #include "scenes/fit/fit.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +12,7 @@
 #include "scenes/fit/outside_volume.h"
 #include "scenes/fit/silhouette.h"
 #include "scenes/fit/solid.h"
+#include "scenes/log.h"
 
 namespace penumbra {
 namespace {
@@ -151,7 +150,7 @@ SphereSet fit_with(const Mesh& mesh, const FitRequest& request, const std::strin
   UnitSolid solid(make_solid(mesh, what, &repairs), what);
   solid.snap();
   if (repairs.any() && request.objective != Objective::shadow)  // its start has said so
-    spdlog::warn("{}: {}", what, repairs.describe());
+    warn("{}: {}", what, repairs.describe());
   switch (request.objective) {
     case Objective::cover:
       return solid.restored_covering(cover(solid.mesh, request, what, progress));
@@ -180,18 +179,18 @@ SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::str
     try {
       return load_spheres(path);
     } catch (const std::exception& e) {
-      spdlog::warn("sphere cache: {}; fitting anew", e.what());
+      warn("sphere cache: {}; fitting anew", e.what());
     }
   }
-  spdlog::info("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
-               cache_folder());
+  inform("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
+         cache_folder());
   SphereSet set = fit_with(mesh, request, what, progress,
                            [&](const FitRequest& first) { return cached_fit(mesh, first, what, progress); });
   try {
     std::filesystem::create_directories(cache_folder());
     save_spheres(path, set);
   } catch (const std::exception& e) {
-    spdlog::warn("sphere cache: {}; going on without", e.what());
+    warn("sphere cache: {}; going on without", e.what());
   }
   return set;
 }

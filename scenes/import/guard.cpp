@@ -1,6 +1,5 @@
 #include "scenes/import/guard.h"
 
-#include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -16,6 +15,7 @@
 #include <new>
 
 #include "scenes/error.h"
+#include "scenes/log.h"
 
 namespace penumbra {
 namespace {
@@ -196,10 +196,10 @@ Inbox guarded(const std::string& path, const std::string& mend, const std::funct
         box.arrays_.emplace_back(at, record.size);
         break;
       case Outbox::warning:
-        spdlog::warn("{}", text);
+        warn("{}", text);
         break;
       case Outbox::information:
-        spdlog::info("{}", text);
+        inform("{}", text);
         break;
       case Outbox::failure:
         throw Error("{}", text);
