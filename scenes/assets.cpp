@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "scenes/nearest_name.h"
 #include "scenes/shapes.h"
 #include "scenes/toml_reader.h"
 
@@ -62,8 +63,10 @@ Mesh mesh_by_name(const std::string& name_or_path) {
 std::string shipped_file(const std::string& name, const std::string& folder) {
   if (fs::is_regular_file(name) || name.ends_with(".toml")) return name;
   std::string file = data_folder() + "/" + folder + "/" + name + ".toml";
-  if (!fs::exists(file))
-    throw Error("'{}' is neither a file nor shipped; shipped are: {}", name, fmt::join(shipped_names(folder), ", "));
+  if (fs::exists(file)) return file;
+  const std::vector<std::string> shipped = shipped_names(folder);
+  throw Error("'{}' is neither a file nor shipped; shipped are: {}{}", name, fmt::join(shipped, ", "),
+              did_you_mean(name, shipped));
   return file;
 }
 

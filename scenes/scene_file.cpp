@@ -99,6 +99,10 @@ SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const Sphere
     if (imported.triangles.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
     if (!choice.fitted) return {};
     const Mesh mesh = narrowed(imported);
+    if (choice.only_cached) {
+      const auto cached = fit_in_cache(mesh, request);
+      return cached ? widened(*cached, mesh.origin) : SphereList();
+    }
     return at_key(at, "spheres", [&] { return widened(cached_fit(mesh, request, *at.text("mesh"), progress), mesh.origin); });
   }
   if (!node) return {};
@@ -327,9 +331,14 @@ Motion read_motion(TomlReader at, dvec3 origin) {
 }  // namespace
 
 std::string read_name(TomlReader& file) {
-  std::string name = file.required("name", file.text("name"), "a name for tables");
-  if (const std::string fault = name_fault(name); !fault.empty()) file.fail("name", fault);
-  return name;
+  if (const auto name = file.text("name")) {
+    if (const std::string fault = name_fault(*name); !fault.empty()) file.fail("name", fault);
+    return *name;
+  }
+  const std::string stem = std::filesystem::path(file.file()).stem().string();
+  if (const std::string fault = name_fault(stem); !fault.empty())
+    throw Error("{}: key 'name' is missing, and the file's own name {}", file.where(), fault);
+  return stem;
 }
 
 Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, const FitProgress& progress) {

@@ -12,12 +12,14 @@ namespace penumbra {
 struct SphereChoice {
   std::optional<int> count;
   std::optional<Objective> objective;
-  bool fitted = true;  ///< false: a fit is left out, to look at all else of the scene
+  bool fitted = true;        ///< false: a fit is left out, to look at all else of the scene
+  bool only_cached = false;  ///< a fit that is not in the cache is left out
 };
 
 class TomlReader;
 
-/// Key `name` of a scene or suite file. Throws Error naming file, line and what is allowed.
+/// Key `name` of a scene or suite file; without it the file's name, less its extension. Throws Error naming file, line
+/// and what is allowed.
 std::string read_name(TomlReader& file);
 
 /// Loads a shipped scene by name or a file by path. Fits of spheres come from the cache where it holds them; `progress`

@@ -2,9 +2,11 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <set>
 
 #include "scenes/error.h"
+#include "scenes/nearest_name.h"
 
 namespace penumbra {
 namespace {
@@ -45,8 +47,22 @@ const Entry& Registry::find(const std::string& name, const std::string& backend)
     names.insert(entry.name);
     if (entry.name == name) backends.insert(entry.backend);
   }
-  if (backends.empty()) throw Error("unknown technique '{}'; known are: {}", name, fmt::join(names, ", "));
+  if (backends.empty())
+    throw Error("unknown technique '{}'; known are: {}{}", name, fmt::join(names, ", "),
+                did_you_mean(name, {names.begin(), names.end()}));
   throw Error("technique '{}' has no backend '{}'; it has: {}", name, backend, fmt::join(backends, ", "));
+}
+
+std::vector<std::string> Registry::usual_backends(const std::string& name) const {
+  std::vector<std::string> usual, all;
+  for (const Entry& entry : entries_) {
+    if (entry.name != name) continue;
+    all.push_back(entry.backend);
+    if (entry.backend == "scalar" || entry.backend == "simd") usual.push_back(entry.backend);
+  }
+  if (all.empty()) find(name, "");        // which throws
+  std::sort(usual.begin(), usual.end());  // "scalar" before "simd", whatever order they came in
+  return usual.empty() ? all : usual;
 }
 
 std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& parameters) {

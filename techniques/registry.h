@@ -57,6 +57,9 @@ class Registry {
   void add(Entry entry);
   /// Throws Error listing what there is.
   const Entry& find(const std::string& name, const std::string& backend) const;
+  /// The backends that nobody has to ask for: of scalar and simd those that the technique has, else all that it has.
+  /// Throws Error listing the techniques.
+  std::vector<std::string> usual_backends(const std::string& name) const;
   const std::vector<Entry>& entries() const { return entries_; }
 
  private:

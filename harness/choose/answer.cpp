@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "harness/report/row_text.h"
-#include "harness/report/screen_text.h"
+#include "harness/report/screen.h"
+#include "harness/results/text.h"
 
 namespace penumbra {
 namespace {
@@ -61,18 +62,19 @@ std::string caveat(const Answer& a) {
   if (!o || o->moving_ms < 0.0) return "";
   const double rest = o->row.timing.median_frame_ms();
   if (o->moving_ms < 3.0 * rest) return "";
-  return fmt::format("  holds while the mesh rests: a frame in which it moves takes {} ms; --moving counts that\n",
+  return fmt::format("Holds while the mesh rests: a frame in which it moves takes {} ms; --moving counts that",
                      three_digits(o->moving_ms));
 }
 
-std::string table(const Answer& a) {
+std::string table(const Answer& a, int width) {
   const bool moves =
       !a.moving && std::any_of(a.options.begin(), a.options.end(), [](const Option& o) { return o.moving_ms >= 0.0; });
-  TextTable table({{"technique", 56, Align::left},
+  TextTable table({{"technique", std::max(20, width - 44), Align::left},
                    {"ms", 6, Align::right},
                    {moves ? "moving ms" : "", 9, Align::right},
                    {"error %", 7, Align::right},
-                   {"from", screen_columns, Align::left}});
+                   {"from", width, Align::left}},
+                  width);
   bool beyond = false;
   for (std::size_t k = 0; k < std::min(a.options.size(), most_options); ++k) {
     const Option& o = a.options[k];
@@ -122,20 +124,22 @@ std::string Answer::render_line() const {
   return line + " -o\x1fimage.png";
 }
 
-std::string screen_of(const Answer& a) {
-  std::string text = wrapped(title(a), 0) + wrapped(verdict(a), 2) + caveat(a) + "\n" + table(a);
+std::string screen_of(const Answer& a, int width) {
+  std::string text;
+  const auto say = [&](const std::string& words) { text += wrapped(words, width, 2) + "\n"; };
+  text += cut_to_columns(title(a), width) + "\n" + cut_to_columns(verdict(a), width) + "\n";
+  if (const std::string but = caveat(a); !but.empty()) say(but);
+  text += "\n" + table(a, width);
   if (a.searched) {
     const Option& s = *a.searched;
-    text += wrapped(fmt::format("The search alone: {}   {} ms ±{:.2g}   {} %", s.label, milliseconds(s.row),
-                                s.row.timing.frame_spread_ms(), error_text(s.row)),
-                    2);
+    say(fmt::format("The search alone: {}, {} ms ±{:.2g}, {} %", s.label, milliseconds(s.row),
+                    s.row.timing.frame_spread_ms(), error_text(s.row)));
   }
   for (const Impossible& i : a.impossible)
-    text += wrapped(fmt::format("Not possible here: {} ({})", fmt::join(i.techniques, ", "), i.reason), 2);
-  for (const std::string& what : a.left_out) text += wrapped("Left out: " + what, 2);
-  if (!a.options.empty()) text += wrapped("To see it: " + a.render_line(), 4, " \\");
-  text += wrapped(
-      fmt::format("Rows of all {} configurations tried ({:.0f} s): {}/results.json", a.looks, a.seconds, a.folder), 2);
+    say(fmt::format("Not possible here: {} ({})", fmt::join(i.techniques, ", "), i.reason));
+  for (const std::string& what : a.left_out) say("Left out: " + what);
+  if (!a.options.empty()) text += wrapped_command("To see it: " + a.render_line(), width) + "\n";
+  say(fmt::format("Scene, and rows of all {} configurations tried ({:.0f} s): {}", a.looks, a.seconds, a.folder));
   return text;
 }
 

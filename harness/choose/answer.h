@@ -50,8 +50,8 @@ struct Answer {
   std::string render_line() const;
 };
 
-/// At most 100 columns and 25 lines, the verdict first.
-std::string screen_of(const Answer& answer);
+/// At most so many columns, and 25 lines: the verdict first.
+std::string screen_of(const Answer& answer, int width);
 nlohmann::json to_json(const Answer& answer);
 
 }  // namespace penumbra

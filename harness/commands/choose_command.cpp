@@ -11,7 +11,7 @@
 #include "harness/measure/interrupt.h"
 #include "harness/measure/timing.h"
 #include "harness/report/row_text.h"
-#include "harness/report/screen_text.h"
+#include "harness/report/screen.h"
 #include "scenes/error.h"
 #include "scenes/scene_outline.h"
 
@@ -50,9 +50,10 @@ std::string scene_of(const ChooseOptions& o) {
 /// What was looked at, in order: the search's path.
 std::string path_text(const std::vector<Row>& rows) {
   TextTable table({{"spheres", 7, Align::right},
-                   {"variant", 64, Align::left},
+                   {"variant", screen_width() - 32, Align::left},
                    {"ms", 7, Align::right},
-                   {"error %", 9, Align::right}});
+                   {"error %", 9, Align::right}},
+                  screen_width());
   std::vector<const Row*> all;
   for (const Row& row : rows) all.push_back(&row);
   for (const Row& row : rows)
@@ -71,7 +72,7 @@ int finish(const ChooseOptions& o, const Answer& answer, ResultsFolder& folder) 
     unwritten = e.what();
   }
   if (o.path && !o.json) std::fputs((path_text(folder.rows()) + "\n").c_str(), stdout);
-  std::fputs(o.json ? json.c_str() : screen_of(answer).c_str(), stdout);
+  std::fputs(o.json ? json.c_str() : screen_of(answer, screen_width()).c_str(), stdout);
   const bool unprinted = std::fflush(stdout) != 0;
   if (!unwritten.empty()) say(fmt::format("the results are not on disk: {}\n", unwritten));
   return unprinted || !unwritten.empty() ? 1 : 0;

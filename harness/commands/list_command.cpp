@@ -6,7 +6,12 @@
 
 #include "cuda/register_cuda.h"
 #include "harness/commands/commands.h"
+#include "harness/commands/describe.h"
+#include "harness/commands/input_kind.h"
+#include "harness/report/screen.h"
 #include "scenes/assets.h"
+#include "scenes/error.h"
+#include "scenes/nearest_name.h"
 #include "techniques/registry.h"
 
 namespace penumbra {
@@ -36,27 +41,48 @@ void list_as_json(const Registry& registry) {
   fmt::print("{}\n", out.dump(1));
 }
 
-void list(bool json) {
-  const Registry registry = make_registry();
-  if (json) return list_as_json(registry);
-  fmt::print("techniques\n");
-  for (const Entry& e : registry.entries()) {
-    fmt::print("  {:32} {}{}\n", e.title(), e.summary, e.unavailable.empty() ? "" : " [" + e.unavailable + "]");
-    for (const Parameter& p : e.parameters)
-      fmt::print("      {} = {}  ({}) {}{}\n", p.name, to_string(p.fallback), p.range(), p.meaning,
-                 p.unit.empty() ? "" : " [" + p.unit + "]");
+std::string short_list(const Registry& registry, int width) {
+  std::string text = "techniques (penumbra list NAME: parameters, citation)\n";
+  for (const std::string& name : technique_names(registry)) {
+    const Entry& entry = registry.find(name, registry.usual_backends(name).back());
+    text += fmt::format("  {:19} {:20} {}\n", name, lights_of(entry.lights), backends_of(name, registry));
   }
-  fmt::print("cuda: {}\nscenes: {}\nsuites: {}\n", cuda_status(), fmt::join(shipped_names("library"), ", "),
-             fmt::join(shipped_names("suites"), ", "));
+  text += "\n" + labelled("scenes", fmt::format("{}", fmt::join(shipped_names("library"), ", ")), 10, width);
+  text += "\n" + labelled("suites", fmt::format("{}", fmt::join(shipped_names("suites"), ", ")), 10, width);
+  return text + "\n" + wrapped("cuda: " + cuda_status(), width, 6) + "\n";  // scripts look for this line
+}
+
+/// All that is called so: a technique, a scene and a suite may share a name.
+std::string whole_list(const std::string& name, const Registry& registry, int width) {
+  std::string text;
+  const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "\n") + more; };
+  if (is_called(name, InputKind::technique, registry)) add(describe_technique(name, registry, width));
+  if (is_called(name, InputKind::scene, registry)) add(describe_scene(name, width));
+  if (is_called(name, InputKind::suite, registry)) add(describe_suite(name, registry, width));
+  if (!text.empty()) return text;
+  std::vector<std::string> names = technique_names(registry);
+  for (const char* folder : {"library", "suites"})
+    for (const std::string& shipped : shipped_names(folder)) names.push_back(shipped);
+  if (const std::string what = what_it_is(name, registry); !what.empty())
+    throw Error("'{}' is no technique, scene or suite but {}", name, what);
+  throw Error("'{}' is no technique, scene or suite{} (`penumbra list`)", name, did_you_mean(name, names));
 }
 
 }  // namespace
 
 void add_list(CLI::App& app, int&) {
-  auto* command = app.add_subcommand("list", "Techniques, scenes and suites of this build");
+  auto* command = app.add_subcommand("list", "Techniques, scenes and suites of this build; all of one of them");
   static bool json = false;
-  command->add_flag("--json", json, "Machine-readable");
-  command->callback([] { list(json); });
+  static std::string name;
+  command->add_option("name", name, "A technique, scene or suite, or a scene's or suite's file");
+  command->add_flag("--json", json, "Techniques, scenes and suites for machines");
+  command->callback([] {
+    const Registry registry = make_registry();
+    if (json) return list_as_json(registry);
+    std::fputs(
+        (name.empty() ? short_list(registry, screen_width()) : whole_list(name, registry, screen_width())).c_str(),
+        stdout);
+  });
 }
 
 }  // namespace penumbra

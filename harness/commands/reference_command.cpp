@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/commands/commands.h"
+#include "harness/commands/input_kind.h"
 #include "harness/commands/save_image.h"
 #include "harness/measure/black_truth.h"
 #include "harness/measure/progress.h"
@@ -57,6 +58,7 @@ nlohmann::json reference_json(const std::string& scene, const Reference& r, cons
 }
 
 void reference(const ReferenceOptions& options) {
+  expect_scene(options.scene, make_registry());
   Progress progress;
   const Scene scene = load_scene(options.scene, progress);
   const Rung rung = parse_rung(options.rung);

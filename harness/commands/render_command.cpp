@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "harness/commands/commands.h"
+#include "harness/commands/input_kind.h"
 #include "harness/commands/save_image.h"
 #include "harness/measure/black_truth.h"
 #include "harness/measure/progress.h"
@@ -16,14 +17,17 @@ namespace penumbra {
 namespace {
 
 struct RenderOptions {
-  std::string scene, technique, backend = "simd", output;
+  std::string scene, technique, backend, output;
   Parameters parameters;
   std::optional<int> spheres;
 };
 
 void render(const RenderOptions& options) {
   const Registry registry = make_registry();
-  const Entry& entry = registry.find(options.technique, options.backend);
+  expect_scene(options.scene, registry);
+  const std::string backend =
+      options.backend.empty() ? registry.usual_backends(options.technique).back() : options.backend;
+  const Entry& entry = registry.find(options.technique, backend);
   const auto technique = make_technique(entry, options.parameters);
   Progress progress;
   const Scene scene = load_scene(options.scene, progress, {options.spheres, {}});
@@ -57,7 +61,7 @@ void add_render(CLI::App& app, int&) {
   static std::vector<std::string> parameters;
   command->add_option("scene", options.scene, "Shipped scene or path of a .toml file")->required();
   command->add_option("--technique", options.technique, "See: penumbra list")->required();
-  command->add_option("--backend", options.backend, "scalar, simd or cuda")->default_val("simd");
+  command->add_option("--backend", options.backend, "scalar, simd or cuda; default: simd where the technique has it");
   command->add_option("-p", parameters, "Parameter, name=value");
   command->add_option("--spheres", options.spheres, "Fit so many in place of the scene's own")
       ->check(CLI::Range(1, 4096));

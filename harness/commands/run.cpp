@@ -16,6 +16,7 @@
 #include "harness/report/published.h"
 #include "harness/report/published_times.h"
 #include "harness/report/run_screen.h"
+#include "harness/report/screen.h"
 #include "harness/report/tables.h"
 #include "harness/results/provenance.h"
 #include "scenes/log.h"
@@ -123,7 +124,7 @@ void say_what_is_kept(const ResultsFolder& folder) {
 /// One screen; all tables if they are not on disk.
 std::string last_words(const ResultsFolder& folder, const Tables& tables, const RunSummary& summary, bool written) {
   if (!written) return tables.of(folder.all_rows());
-  return make_run_screen(summary, folder.all_rows());
+  return make_run_screen(summary, folder.all_rows(), screen_width());
 }
 
 RunSummary summary_of(const Suite& suite, const ResultsFolder& folder, const nlohmann::json& context, double seconds) {

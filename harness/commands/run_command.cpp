@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 
 #include "harness/commands/commands.h"
+#include "harness/commands/dry_run.h"
+#include "harness/commands/input_kind.h"
 #include "harness/commands/run.h"
 
 namespace penumbra {
@@ -10,7 +12,9 @@ void add_run(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("run", "Measure a suite: time and error of every variant");
   static std::string suite;
   static RunOptions options;
+  static std::vector<std::string> scenes;
   static int threads = 0;
+  static bool dry = false;
   command->add_option("suite", suite, "Shipped suite or path of a .toml file")->required();
   command->add_option("--out", options.directory, "Folder for results")->default_val("results/runs/latest");
   command->add_option("--filter", options.filter, "Regular expression searched in row names");
@@ -18,10 +22,16 @@ void add_run(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 1000));
   command->add_option("--threads", threads, "Threads of parallel backends (default: the suite's)")
       ->check(CLI::Range(1, 1024));
+  command->add_option("--scene", scenes, "Shipped scene or path, in place of the suite's own; may be repeated");
+  command->add_flag("--dry-run", dry, "Say what would be measured and about how long it takes; measure nothing");
   command->add_flag("--resume", options.resume, "Keep the good rows of the folder");
   command->callback([&exit_code] {
     const Registry registry = make_registry();
-    exit_code = run_suite(load_suite(suite, registry, threads), registry, options);
+    expect_suite(suite, registry);
+    for (const std::string& scene : scenes) expect_scene(scene, registry);
+    const Suite loaded = load_suite(suite, registry, threads, scenes);
+    if (dry) dry_run(loaded, options);
+    else exit_code = run_suite(loaded, registry, options);
   });
 }
 

@@ -71,14 +71,13 @@ void score(const SceneContext& context, const Variant& variant, bool attribution
   });
 }
 
-/// Empty, or why the variant is not even tried.
+}  // namespace
+
 std::string reason_to_skip(const Entry& entry, const Light& light) {
   if (!entry.unavailable.empty()) return entry.unavailable;
   if (entry.lights.accepts(light)) return "";
   return environment_of(light) ? "cannot shade an environment" : "cannot shade an area light";
 }
-
-}  // namespace
 
 Row empty_row(const Variant& variant, const SceneContext& context, const Suite& suite) {
   const Scene& scene = context.scene();

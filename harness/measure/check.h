@@ -16,6 +16,9 @@ struct Checked {
   Image image;  ///< of the scored frame
 };
 
+/// Why a technique is not even tried under a light; empty if it is.
+std::string reason_to_skip(const Entry& entry, const Light& light);
+
 /// Nothing measured yet; skipped if the variant cannot run here or shade the light.
 Row empty_row(const Variant& variant, const SceneContext& context, const Suite& suite);
 

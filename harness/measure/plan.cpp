@@ -22,10 +22,10 @@ SceneOutline outline_of(const Suite& suite, const std::string& listed, const Sph
   try {
     file = shipped_file(listed, "library");
   } catch (const Error& e) {
-    throw Error("{}: key 'scenes': {}", suite.scenes_where, e.what());
+    throw Error("{}: {}", suite.scenes_where, e.what());
   }
   if (!std::filesystem::is_regular_file(file))
-    throw Error("{}: key 'scenes': {} is no file; paths start at the suite's folder", suite.scenes_where, file);
+    throw Error("{}: {} is no file; paths in a suite start at its folder", suite.scenes_where, file);
   return read_outline(file, choice);
 }
 
@@ -38,10 +38,10 @@ void check_scene_names(const Suite& suite) {
     if (fresh) continue;
     const SceneOutline& other = at->second;
     if (std::filesystem::equivalent(other.file, scene.file))
-      throw Error("{}: key 'scenes' lists {} twice; allowed is once (the key 'spheres' measures it with several sets)",
+      throw Error("{} lists {} twice; allowed is once (the key 'spheres' measures it with several sets)",
                   suite.scenes_where, listed);
     throw Error(
-        "{}: key 'scenes' lists '{}' ({}) and '{}' ({}), which would share tables and images; allowed are names that "
+        "{} lists '{}' ({}) and '{}' ({}), which would share tables and images; allowed are names that "
         "differ in more than case and ' ', ':' or '-'",
         suite.scenes_where, other.name, other.where, scene.name, scene.where);
   }

@@ -62,6 +62,9 @@ float visibility_13x13(const Frame& frame, int receiver);
 /// SHA-1 over everything a rung depends on.
 std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings& settings);
 
+/// Does the cache folder hold a rung? Its file is not looked into.
+bool is_cached(const Frame& frame, Rung rung, const ReferenceSettings& settings);
+
 /// From the cache folder if it holds a whole file with the right key; computed and stored otherwise. Cache files that
 /// are truncated, damaged or of another key are rebuilt with a warning. An unwritable cache is a warning, not an error.
 Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,

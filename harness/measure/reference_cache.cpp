@@ -84,6 +84,10 @@ void store(const std::string& path, const std::string& key, const Reference& r) 
   save_channels(path, file);
 }
 
+std::string cache_file(Rung rung, const std::string& key) {
+  return cache_folder() + "/" + to_string(rung) + "-" + key + ".exr";
+}
+
 }  // namespace
 
 std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
@@ -108,10 +112,14 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
   return hash.digest();
 }
 
+bool is_cached(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
+  return std::filesystem::exists(cache_file(rung, reference_key(frame, rung, settings)));
+}
+
 Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
                            const ReferenceProgress& progress) {
   const std::string key = reference_key(frame, rung, settings);
-  const std::string path = cache_folder() + "/" + to_string(rung) + "-" + key + ".exr";
+  const std::string path = cache_file(rung, key);
   if (std::filesystem::exists(path)) {
     try {
       Reference reference = load(path, key, rung);

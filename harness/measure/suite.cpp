@@ -105,13 +105,15 @@ std::vector<Parameters> combinations(TomlReader* at) {
 /// `baseline`: one technique with one set of parameters.
 Variant read_baseline(TomlReader at, const Registry& registry) {
   const std::string name = at.required("name", at.text("name"), "a technique's name");
-  const std::string backend = at.text("backend").value_or("simd");
+  const std::optional<std::string> backend = at.text("backend");
   auto table = at.table("parameters");
   const std::vector<Parameters> given = combinations(table ? &*table : nullptr);
   if (given.size() != 1) at.fail("parameters", "must have one value each: a baseline is one image");
   at.finish();
   try {
-    Variant variant{&registry.find(name, backend), {}, std::max(1, int(std::thread::hardware_concurrency()))};
+    Variant variant{&registry.find(name, backend.value_or(registry.usual_backends(name).back())),
+                    {},
+                    std::max(1, int(std::thread::hardware_concurrency()))};
     variant.parameters = given[0].resolve(variant.entry->parameters, variant.entry->title());
     return variant;
   } catch (const Error& e) {
@@ -139,10 +141,10 @@ std::vector<int> counts_for(const std::string& backend, const std::vector<int>& 
 void add_variants(TomlReader& at, const Registry& registry, const std::vector<int>& threads, Suite& suite) {
   const std::string name = at.required("name", at.text("name"), "a technique's name");
   std::vector<std::string> backends = texts_of(at, "backend");
-  if (backends.empty()) backends = {"scalar", "simd"};
   const std::vector<int> own = integers_of(at, "threads", 1, 1024);
   auto table = at.table("parameters");
   try {
+    if (backends.empty()) backends = registry.usual_backends(name);
     for (const std::string& backend : backends)
       for (const Parameters& given : combinations(table ? &*table : nullptr)) {
         Variant variant{&registry.find(name, backend), {}, 1};
@@ -163,13 +165,15 @@ void add_variants(TomlReader& at, const Registry& registry, const std::vector<in
 
 }  // namespace
 
-Suite load_suite(const std::string& name_or_path, const Registry& registry, int threads) {
+Suite load_suite(const std::string& name_or_path, const Registry& registry, int threads,
+                 const std::vector<std::string>& scenes) {
   TomlReader file = TomlReader::open(shipped_file(name_or_path, "suites"));
   Suite suite;
   suite.name = read_name(file);
   for (const std::string& name : texts_of(file, "scenes")) suite.scenes.push_back(beside(file.file(), name));
+  suite.scenes_where = file.where("scenes") + ": key 'scenes'";
+  if (!scenes.empty()) suite.scenes = scenes, suite.scenes_where = "--scene";
   if (suite.scenes.empty()) throw Error("{}: key 'scenes' is missing: a list of scene names or paths", file.where());
-  suite.scenes_where = file.where("scenes");
   suite.spheres = sphere_choices(file);
   suite.spheres_where = file.where(file.has("spheres") ? "spheres" : file.has("objective") ? "objective" : "scenes");
   suite.repetitions = file.integer("repetitions", 1, 1000).value_or(9);

@@ -25,7 +25,8 @@ struct PublishedTime {
 struct Suite {
   std::string name;
   std::vector<std::string> scenes;
-  std::string scenes_where, spheres_where;  ///< "file:line" of the keys, for messages
+  std::string scenes_where;           ///< "file:line: key 'scenes'", or the option that replaced it, for messages
+  std::string spheres_where;          ///< "file:line" of the key
   std::vector<SphereChoice> spheres;  ///< what replaces the scenes' own sphere sets; one empty entry: nothing does
   std::vector<Variant> variants;
   int repetitions = 9;
@@ -38,7 +39,9 @@ struct Suite {
 };
 
 /// Loads a shipped suite by name or a file by path, and expands every axis. `threads` replaces "all" (0: all cores).
-/// Throws Error naming file, line, key and what is allowed. The registry outlives the suite.
-Suite load_suite(const std::string& name_or_path, const Registry& registry, int threads);
+/// `scenes`, names or paths, replace the suite's own. Throws Error naming file, line, key and what is allowed. The
+/// registry outlives the suite.
+Suite load_suite(const std::string& name_or_path, const Registry& registry, int threads,
+                 const std::vector<std::string>& scenes = {});
 
 }  // namespace penumbra

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "harness/report/row_text.h"
-#include "harness/report/screen_text.h"
+#include "harness/report/screen.h"
 #include "harness/results/derived.h"
 #include "harness/results/text.h"
 
@@ -46,7 +46,7 @@ std::string scene_line(const std::string& scene, const std::vector<const Row*>& 
 }
 
 /// "3 rows failed: why" by reason, the most frequent first; one line each, three at most.
-std::vector<std::string> complaints(const std::vector<Row>& rows) {
+std::vector<std::string> complaints(const std::vector<Row>& rows, int width) {
   std::map<std::string, int> counts;
   for (const Row& row : rows)
     if (!row.ok()) ++counts[row.status];
@@ -59,17 +59,18 @@ std::vector<std::string> complaints(const std::vector<Row>& rows) {
       lines.back() = "... and more reasons why rows were not measured, in table.md";
       break;
     }
-    lines.push_back(cut_to_columns(fmt::format("{} row{} {}", -count, count == -1 ? "" : "s", status), screen_columns));
+    lines.push_back(cut_to_columns(fmt::format("{} row{} {}", -count, count == -1 ? "" : "s", status), width));
   }
   return lines;
 }
 
 class Screen {
  public:
-  Screen(const RunSummary& summary, const std::vector<Row>& rows) : summary_(summary), rows_(rows) {}
+  Screen(const RunSummary& summary, const std::vector<Row>& rows, int width)
+      : summary_(summary), rows_(rows), width_(width) {}
 
   std::string text() {
-    const std::vector<std::string> scenes = scenes_of(rows_), notes = complaints(rows_);
+    const std::vector<std::string> scenes = scenes_of(rows_), notes = complaints(rows_, width_);
     const int room = most_lines - 3 - int(notes.size());  // but for the first line, the columns' titles and the last
     const bool all_limits = int(scenes.size()) * 4 <= room;
     std::size_t shown = 0;
@@ -82,20 +83,20 @@ class Screen {
     if (scenes.size() == 1) add_undominated(scenes.front(), room - used_);
     std::string text = cut_to_columns(fmt::format("{}: {} rows on {} scene{}, {}", summary_.suite, rows_.size(),
                                                   scenes.size(), scenes.size() == 1 ? "" : "s", summary_.machine),
-                                      screen_columns) +
+                                      width_) +
                        "\n" + table_.text();
     for (const std::string& note : notes) text += note + "\n";
     return text +
            cut_to_columns(
                fmt::format("All rows, errors and stages ({:.0f} s): {}/table.md", summary_.seconds, summary_.folder),
-               screen_columns) +
+               width_) +
            "\n";
   }
 
  private:
   void add_scene(const std::string& scene) {
     const std::vector<const Row*> good = good_rows(rows_, scene);
-    table_.line(cut_to_columns(scene_line(scene, good), screen_columns - 2));
+    table_.line(cut_to_columns(scene_line(scene, good), width_ - 2));
     ++used_;
     for (const double limit : limits) add_best("", limit, good);
   }
@@ -127,19 +128,21 @@ class Screen {
 
   const RunSummary& summary_;
   const std::vector<Row>& rows_;
-  TextTable table_{{{"", 40, Align::left},
-                    {"technique", 56, Align::left},
+  const int width_;
+  TextTable table_{{{"", width_ - 54, Align::left},
+                    {"technique", width_ - 46, Align::left},
                     {"backend", 10, Align::left},
                     {"ms", 6, Align::right},
                     {"", 9, Align::left},
-                    {"error %", 9, Align::right}}};
+                    {"error %", 9, Align::right}},
+                   width_};
   int used_ = 0;
 };
 
 }  // namespace
 
-std::string make_run_screen(const RunSummary& summary, const std::vector<Row>& rows) {
-  return Screen(summary, rows).text();
+std::string make_run_screen(const RunSummary& summary, const std::vector<Row>& rows, int width) {
+  return Screen(summary, rows, width).text();
 }
 
 }  // namespace penumbra

@@ -14,8 +14,8 @@ struct RunSummary {
   double seconds = 0.0;
 };
 
-/// At most 100 columns and 25 lines: per scene the best within 1, 3 and 10 %, and where there is room the rows that no
-/// other beats; what failed or was skipped.
-std::string make_run_screen(const RunSummary& summary, const std::vector<Row>& rows);
+/// At most so many columns, and 25 lines: per scene the best within 1, 3 and 10 %, and where there is room the rows
+/// that no other beats; what failed or was skipped.
+std::string make_run_screen(const RunSummary& summary, const std::vector<Row>& rows, int width);
 
 }  // namespace penumbra

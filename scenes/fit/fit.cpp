@@ -172,23 +172,35 @@ SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::st
                   [&](const FitRequest& first) { return fit_spheres(mesh, first, what, progress); });
 }
 
+namespace {
+
+std::string cache_file(const Mesh& mesh, const FitRequest& request) {
+  return cache_folder() + "/fit-" + fit_key(mesh, request) + ".json";
+}
+
+}  // namespace
+
+std::optional<SphereSet> fit_in_cache(const Mesh& mesh, const FitRequest& request) {
+  const std::string path = cache_file(mesh, request);
+  if (!std::filesystem::exists(path)) return {};
+  try {
+    return load_spheres(path);
+  } catch (const std::exception& e) {
+    warn("sphere cache: {}; fitting anew", e.what());
+    return {};
+  }
+}
+
 SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::string& what,
                      const FitProgress& progress) {
-  const std::string path = cache_folder() + "/fit-" + fit_key(mesh, request) + ".json";
-  if (std::filesystem::exists(path)) {
-    try {
-      return load_spheres(path);
-    } catch (const std::exception& e) {
-      warn("sphere cache: {}; fitting anew", e.what());
-    }
-  }
+  if (auto cached = fit_in_cache(mesh, request)) return std::move(*cached);
   inform("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
-         cache_folder());
+               cache_folder());
   SphereSet set = fit_with(mesh, request, what, progress,
                            [&](const FitRequest& first) { return cached_fit(mesh, first, what, progress); });
   try {
     std::filesystem::create_directories(cache_folder());
-    save_spheres(path, set);
+    save_spheres(cache_file(mesh, request), set);
   } catch (const std::exception& e) {
     warn("sphere cache: {}; going on without", e.what());
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "scenes/sphere_set.h"
@@ -51,6 +52,9 @@ SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::st
 /// The same from the cache folder if it holds it; computed and stored otherwise.
 SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::string& what,
                      const FitProgress& progress = {});
+
+/// The same if the cache folder holds it; nothing is fitted.
+std::optional<SphereSet> fit_in_cache(const Mesh& mesh, const FitRequest& request);
 
 /// `volume` and `outside` by triangles of the union's surface, exactly; what spheres share outside, and so `excess`,
 /// and `uncovered` over rows (difference): within about 1e-3 of the solid's volume. Never more excess than outside.

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <thread>
 
 #include "scenes/image.h"
@@ -46,7 +47,8 @@ class CommandLine : public testing::Test {
 };
 
 TEST_F(CommandLine, ListsInBothForms) {
-  EXPECT_NE(run("list").out.find("pixel-basis (simd)"), std::string::npos);
+  EXPECT_TRUE(std::regex_search(run("list").out, std::regex("\n  pixel-basis +environments +scalar, simd")));
+  EXPECT_NE(run("list pixel-basis").out.find("visibility = table"), std::string::npos);
   const auto json = nlohmann::json::parse(run("list --json").out);
   EXPECT_GE(json["techniques"].size(), 4u);
   EXPECT_TRUE(json["techniques"][0].contains("parameters"));
@@ -90,6 +92,46 @@ TEST_F(CommandLine, MistakesAreOneLineAndCodeTwo) {
   expect_error("run no-such-suite", "quick");
   const Outcome usage = run("dance");
   EXPECT_EQ(usage.code, 2);
+}
+
+TEST_F(CommandLine, InitWritesWhatRunsAndOverwritesNothing) {
+  const std::string study = folder_.path() + "/study";
+  const Outcome first = run("init " + study);
+  EXPECT_EQ(first.code, 0) << first.err;
+  EXPECT_NE(first.out.find("penumbra run " + study + "/suite.toml"), std::string::npos) << first.out;
+  const Outcome dry = run("run " + study + "/suite.toml --dry-run");
+  EXPECT_EQ(dry.code, 0) << dry.err;
+  EXPECT_NE(dry.out.find("scene: 16384 receivers, 64 spheres"), std::string::npos) << dry.out;
+
+  const std::string scene = test::read_text(study + "/scene.toml");
+  expect_error("init " + study, "scene.toml is there already");
+  std::filesystem::remove(study + "/scene.toml");
+  expect_error("init " + study, "suite.toml is there already");
+  EXPECT_FALSE(std::filesystem::exists(study + "/scene.toml")) << "both or none";
+
+  // The same, small enough for a test.
+  const auto smaller = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  folder_.write("study/scene.toml",
+                smaller(smaller(scene, "\nspheres = 64 ", "\nspheres = 2 "), "resolution = 128", "resolution = 16"));
+  const Outcome done = run("run " + study + "/suite.toml --repetitions 1 --out " + study + "/results");
+  EXPECT_EQ(done.code, 0) << done.err;
+  const auto rows = nlohmann::json::parse(test::read_text(study + "/results/results.json"))["benchmarks"];
+  EXPECT_EQ(rows.size(), 5u);
+  for (const auto& row : rows) EXPECT_EQ(row["status"], "ok");
+}
+
+TEST_F(CommandLine, InitTakesAMeshOfOnesOwn) {
+  const std::string open = folder_.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Outcome o = run("init " + folder_.path() + "/own --mesh " + open);
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_NE(o.err.find("without spheres"), std::string::npos) << o.err;
+  const std::string listed = run("list " + folder_.path() + "/own/scene.toml").out;
+  EXPECT_NE(listed.find(open + ": 1 triangles"), std::string::npos) << listed;
+  EXPECT_NE(listed.find("none: techniques that need them are skipped"), std::string::npos) << listed;
+  expect_error("init " + folder_.path() + "/other --mesh " + folder_.path() + "/none.obj", "none.obj");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/other"));
 }
 
 TEST_F(CommandLine, ReferencePrintsTheMeanOfEveryChannel) {

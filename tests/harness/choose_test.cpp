@@ -5,7 +5,7 @@
 
 #include "harness/choose/finals.h"
 #include "harness/choose/new_scene.h"
-#include "harness/report/screen_text.h"
+#include "harness/report/screen.h"
 #include "scenes/scene_file.h"
 #include "tests/harness/screens.h"
 #include "tests/support.h"
@@ -107,7 +107,8 @@ TEST_F(Choices, WhatNothingReachesIsSaid) {
   const Answer a = choose_on(scene(lamp), {Bound::Kind::time, 1e-3});
   EXPECT_EQ(a.best(), nullptr);
   ASSERT_FALSE(a.options.empty());
-  EXPECT_NE(screen_of(a).find("Nothing is within 0.001 ms here. Nearest: "), std::string::npos) << screen_of(a);
+  EXPECT_NE(screen_of(a, 100).find("Nothing is within 0.001 ms here. Nearest: "), std::string::npos)
+      << screen_of(a, 100);
   const nlohmann::json json = to_json(a);
   EXPECT_FALSE(json.at("within").get<bool>());
   EXPECT_TRUE(json.at("answer").is_null());
@@ -129,7 +130,7 @@ TEST_F(Choices, MovingCountsTheUpdate) {
   EXPECT_EQ(sh(moving).moving_ms, -1.0);
   EXPECT_GT(sh(moving).row.timing.median_frame_ms(), 20.0 * sh(rest).row.timing.median_frame_ms());
   if (rest.best()->row.id.technique == "sh-lighting")
-    EXPECT_NE(screen_of(rest).find("holds while the mesh rests"), std::string::npos) << screen_of(rest);
+    EXPECT_NE(screen_of(rest, 100).find("holds while the mesh rests"), std::string::npos) << screen_of(rest, 100);
 }
 
 TEST_F(Choices, PartsAddUpToTheError) {
@@ -173,13 +174,15 @@ TEST_F(Choices, ABlackTruthIsAnError) {
 TEST_F(Choices, ScreensFitWhateverTheNames) {
   Answer a = choose_on(scene(sky), {Bound::Kind::error, 0.05});
   a.scene_spheres = 0;
-  EXPECT_EQ(test::lines_too_long(screen_of(a), screen_columns), "");
-  EXPECT_LE(test::count_lines(screen_of(a)), 25);
+  for (const int width : {80, 100}) {
+    EXPECT_EQ(test::lines_too_long(screen_of(a, width), width), "");
+    EXPECT_LE(test::count_lines(screen_of(a, width)), 25);
+  }
   for (Option& o : a.options) o.label += std::string(80, 'x') + "äöü";
   a.left_out = {std::string(60, 'y') + " " + std::string(60, 'z')};
   while (a.options.size() < 30) a.options.push_back(a.options.back());
-  const std::string screen = screen_of(a);
-  EXPECT_EQ(test::lines_too_long(screen.substr(screen.find("technique ")), screen_columns), "");
+  const std::string screen = screen_of(a, 100);
+  EXPECT_EQ(test::lines_too_long(screen.substr(screen.find("technique ")), 100), "");
 }
 
 class NewScenes : public Choices {

@@ -87,7 +87,8 @@ class Runs : public testing::Test {
     const Suite suite = load_suite(folder_.write("suite.toml", text), registry_, 1);
     testing::internal::CaptureStdout();
     const int code = run_suite(suite, registry_, {out(), filter, 2, resume});
-    table_ = testing::internal::GetCapturedStdout();
+    screen_ = testing::internal::GetCapturedStdout();
+    table_ = std::filesystem::exists(out() + "/table.md") ? read_text(out() + "/table.md") : screen_;
     return code;
   }
   std::string out() const { return folder_.path() + "/out"; }
@@ -99,7 +100,7 @@ class Runs : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  std::string scene_, table_;
+  std::string scene_, screen_, table_;
   Registry registry_;
 };
 

@@ -1,4 +1,4 @@
-#include "harness/report/screen_text.h"
+#include "harness/report/screen.h"
 
 #include "tests/harness/screens.h"
 #include "tests/support.h"
@@ -12,22 +12,24 @@ TEST(ScreenText, ThousandsHaveCommas) {
   EXPECT_EQ(with_thousands(1048576), "1,048,576");
 }
 
-TEST(ScreenText, WrapsAtSpacesAndKeepsPairsTogether) {
-  EXPECT_EQ(wrapped("as  it is", 2), "as  it is\n");
+TEST(ScreenText, CommandsBreakAsAShellReadsThem) {
   std::string words;
   for (int k = 0; k < 60; ++k) words += (k ? " " : "") + std::string("word") + std::to_string(k);
-  const std::string text = wrapped(words, 3, " \\");
-  EXPECT_EQ(test::lines_too_long(text, screen_columns), "");
-  EXPECT_NE(text.find(" \\\n   word"), std::string::npos) << text;
+  const std::string text = wrapped_command(words, 60);
+  EXPECT_EQ(test::lines_too_long(text, 60), "");
   std::string joined = text;
-  for (std::size_t at; (at = joined.find(" \\\n   ")) != std::string::npos;) joined.replace(at, 6, " ");
-  EXPECT_EQ(joined, words + "\n");
-  const std::string pair = wrapped(std::string(95, 'a') + " -o\x1fimage.png", 2);
-  EXPECT_EQ(pair, std::string(95, 'a') + "\n  -o image.png\n");
+  for (std::size_t at; (at = joined.find(" \\\n    ")) != std::string::npos;) joined.replace(at, 7, " ");
+  EXPECT_EQ(joined, words);
+  EXPECT_EQ(wrapped_command(std::string(55, 'a') + " -o\x1fimage.png", 60),
+            std::string(55, 'a') + " \\\n    -o image.png");
+  EXPECT_EQ(wrapped_command("short -o\x1f"
+                            "x",
+                            60),
+            "short -o x");
 }
 
 TEST(ScreenText, TablesDropEmptyColumnsAndAlign) {
-  TextTable table({{"name", 20, Align::left}, {"none", 5, Align::right}, {"ms", 6, Align::right}});
+  TextTable table({{"name", 20, Align::left}, {"none", 5, Align::right}, {"ms", 6, Align::right}}, 80);
   table.row({"a", "", "1.5"});
   table.line("apart:");
   table.row({"longer", "", "12"});
@@ -35,9 +37,9 @@ TEST(ScreenText, TablesDropEmptyColumnsAndAlign) {
 }
 
 TEST(ScreenText, TheLastColumnTakesWhatIsLeft) {
-  TextTable table({{"a", 60, Align::left}, {"b", 200, Align::left}});
+  TextTable table({{"a", 60, Align::left}, {"b", 200, Align::left}}, 100);
   table.row({std::string(50, 'a'), std::string(150, 'b')});
-  EXPECT_EQ(test::lines_too_long(table.text(), screen_columns), "");
+  EXPECT_EQ(test::lines_too_long(table.text(), 100), "");
   EXPECT_NE(table.text().find("bbb…"), std::string::npos);
 }
 

@@ -43,6 +43,34 @@ TEST_F(Suites, AxesMultiply) {
   EXPECT_EQ(load("name = \"s\"\nscenes = \"a\"\n[[technique]]\nname = \"ray-traced\"\n", 3).variants.back().threads, 3);
 }
 
+TEST_F(Suites, BackendsDefaultToThoseThatThereAre) {
+  for (const auto& [name, backend] :
+       {std::pair("both", "simd"), std::pair("both", "scalar"), std::pair("both", "cuda"), std::pair("plain", "scalar"),
+        std::pair("plain", "cuda"), std::pair("fast", "simd"), std::pair("device", "cuda")}) {
+    Entry entry;
+    entry.name = name, entry.backend = backend;
+    registry_.add(entry);
+  }
+  const auto backends = [&](const std::string& name) {
+    std::vector<std::string> all;
+    for (const Variant& v : load("scenes = [\"a\"]\n[[technique]]\nname = \"" + name + "\"\n").variants)
+      all.push_back(v.entry->backend);
+    return all;
+  };
+  using Backends = std::vector<std::string>;
+  EXPECT_EQ(backends("both"), (Backends{"scalar", "simd"}));
+  EXPECT_EQ(backends("plain"), Backends{"scalar"});
+  EXPECT_EQ(backends("fast"), Backends{"simd"});
+  EXPECT_EQ(backends("device"), Backends{"cuda"});
+  const auto baseline = [&](const std::string& name) {
+    return load("scenes = [\"a\"]\nbaseline = { name = \"" + name + "\" }\n[[technique]]\nname = \"both\"\n")
+        .baseline->entry->backend;
+  };
+  EXPECT_EQ(baseline("both"), "simd");
+  EXPECT_EQ(baseline("plain"), "scalar");
+  EXPECT_EQ(load("scenes = \"a\"\n[[technique]]\nname = \"both\"\n").name, "s") << "named after its file";
+}
+
 TEST_F(Suites, BaselineAndPublishedTimes) {
   const std::string head = "name = \"s\"\nscenes = [\"a\"]\n", tail = "[[technique]]\nname = \"ray-traced\"\n";
   const std::string line = "[[published_time]]\ntable = \"1\"\nsubject = \"b\"\nvariant = \"c\"\nrow = \"d\"\n";

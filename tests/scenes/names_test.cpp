@@ -26,6 +26,20 @@ TEST(Names, WhatLeavesTheFolderIsRefusedWithFileLineAndKey) {
   }
 }
 
+TEST(Names, WithoutOneTheFilesOwnNameCounts) {
+  const test::TemporaryFolder folder;
+  const std::string text = scene_text("\"x\"").substr(std::string("name = \"x\"\n").size());
+  const std::string file = folder.write("my scene.v2.toml", text);
+  EXPECT_EQ(load_scene(file).name, "my scene.v2");
+  EXPECT_EQ(read_outline(file).name, "my scene.v2");
+  const std::string hidden = folder.write(".toml", text), barred = folder.write("a|b.toml", text);
+  for (const std::string& bad : {hidden, barred}) {
+    const std::string error = test::error_of([&] { load_scene(bad); });
+    EXPECT_NE(error.find("key 'name' is missing, and the file's own name is '"), std::string::npos) << error;
+    EXPECT_EQ(test::error_of([&] { read_outline(bad); }), error);
+  }
+}
+
 TEST(Names, OrdinaryTextInAnyScriptIsFine) {
   const test::TemporaryFolder folder;
   for (const std::string name :
