@@ -83,8 +83,8 @@ SphereList listed_spheres(TomlReader& at, const toml::array& list) {
 
 /// In the mesh's coordinates. A fit by count keeps the name of its objective in `objective`; spheres from a list or a
 /// file leave it empty.
-SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const SphereChoice& choice,
-                      std::string& objective, const FitProgress& progress) {
+SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const SphereChoice& choice, std::string& objective,
+                      const FitProgress& progress) {
   const toml::node* node = at.node("spheres");
   const bool fitted = choice.count || (node && node->is_integer());
   if (!fitted && at.has("objective")) at.fail("objective", "is for spheres given by count");
@@ -99,7 +99,8 @@ SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const Sphere
     if (imported.triangles.empty()) at.fail("spheres", "asks for a fit, but there is no mesh");
     if (!choice.fitted) return {};
     const Mesh mesh = narrowed(imported);
-    return at_key(at, "spheres", [&] { return widened(cached_fit(mesh, request, *at.text("mesh"), progress), mesh.origin); });
+    return at_key(at, "spheres",
+                  [&] { return widened(cached_fit(mesh, request, *at.text("mesh"), progress), mesh.origin); });
   }
   if (!node) return {};
   if (node->is_string()) {
@@ -109,6 +110,17 @@ SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const Sphere
   const toml::array* list = node->as_array();
   if (!list) at.fail("spheres", "must be a count, a file name or a list of [x, y, z, radius]");
   return listed_spheres(at, *list);
+}
+
+/// From z up to y up: a quarter turn about x, so that winding and handedness stay.
+dvec3 turned_upright(dvec3 p) {
+  return {p.x, p.z, -p.y};
+}
+
+bool read_z_up(TomlReader& at) {
+  const std::string up = at.text("up").value_or("y");
+  if (up != "y" && up != "z") at.fail("up", "is '" + up + "'; allowed are y, z");
+  return up == "z";
 }
 
 Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& objective, const FitProgress& progress) {
@@ -122,7 +134,14 @@ Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& o
     const std::string file = resolve(at, "mesh", name, "mesh", shape_names);
     occluder.mesh = at_key(at, "mesh", [&] { return import_mesh(file); });
   }
+  const bool z_up = read_z_up(at);
+  if (z_up) {
+    for (dvec3& p : occluder.mesh.positions) p = turned_upright(p);
+    for (vec3& n : occluder.mesh.normals) n = vec3(turned_upright(n));
+  }
   occluder.spheres = spheres_of(at, occluder.mesh, choice, objective, progress);
+  if (z_up && objective.empty())  // fitted ones are of the turned mesh
+    for (glm::dvec4& s : occluder.spheres) s = {turned_upright(dvec3(s)), s.w};
   if (auto fit = at.table("fit")) {
     if (occluder.mesh.triangles.empty()) at.fail("fit", "needs a mesh");
     const double height = fit->number("height", tiny, huge).value_or(0.0);

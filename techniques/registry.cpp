@@ -7,6 +7,25 @@
 #include "scenes/error.h"
 
 namespace penumbra {
+namespace {
+
+void check_knobs(const Entry& entry) {
+  int fine = 0;
+  for (const Knob& knob : entry.knobs) {
+    if (knob.values.empty()) throw Error("technique {}: knob '{}' has no values", entry.title(), knob.parameter);
+    for (const ParameterValue& value : knob.values) {
+      if (knob.fine && !std::holds_alternative<int>(value))
+        throw Error("technique {}: the fine knob '{}' must hold integers", entry.title(), knob.parameter);
+      Parameters given;
+      given.set(knob.parameter, value);
+      given.resolve(entry.parameters, entry.title());
+    }
+    fine += knob.fine;
+  }
+  if (fine > 1) throw Error("technique {} has {} fine knobs; allowed is one", entry.title(), fine);
+}
+
+}  // namespace
 
 void Registry::add(Entry entry) {
   for (const Entry& other : entries_)
@@ -15,6 +34,7 @@ void Registry::add(Entry entry) {
   std::set<std::string> names;
   for (const Parameter& p : entry.parameters)
     if (!names.insert(p.name).second) throw Error("technique {} declares '{}' twice", entry.title(), p.name);
+  check_knobs(entry);
   entries_.push_back(std::move(entry));
 }
 

@@ -15,6 +15,15 @@ struct LightKinds {
   bool accepts(const Light& light) const { return environment_of(light) ? environment : area; }
 };
 
+/// A parameter that trades time for error: what `penumbra choose` turns. The others keep their defaults.
+struct Knob {
+  std::string parameter;
+  std::vector<ParameterValue> values;  ///< worth trying
+  /// Integers in ascending order, along which time grows and error falls, and between which others are worth trying. At
+  /// most one knob of a technique.
+  bool fine = false;
+};
+
 /// One technique on one backend.
 struct Entry {
   std::string name, backend;  ///< backend: "scalar", "simd" or "cuda"
@@ -31,6 +40,10 @@ struct Entry {
   std::function<bool(const Parameters&)> reads_spheres = [](const Parameters&) { return true; };
   /// Receivers farther apart than this in their image do not affect each other; 0: each stands alone.
   int reach = 0;
+  /// Every combination of their values is worth a look; those that the technique refuses are passed over.
+  std::vector<Knob> knobs = {};
+  /// What its error is made of beyond texels and spheres, in a word or two: "noise".
+  std::string errs_by = {};
   /// Empty if it can run here, else why not ("no CUDA device").
   std::string unavailable = {};
 
@@ -39,7 +52,8 @@ struct Entry {
 
 class Registry {
  public:
-  /// Throws Error if name and backend are taken, or a parameter is declared twice.
+  /// Throws Error if name and backend are taken, a parameter is declared twice, or a knob turns what is not declared or
+  /// not allowed.
   void add(Entry entry);
   /// Throws Error listing what there is.
   const Entry& find(const std::string& name, const std::string& backend) const;

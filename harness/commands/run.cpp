@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
@@ -15,6 +16,7 @@
 #include "harness/measure/timing.h"
 #include "harness/report/published.h"
 #include "harness/report/published_times.h"
+#include "harness/report/sheet.h"
 #include "harness/report/tables.h"
 #include "harness/results/provenance.h"
 
@@ -47,7 +49,8 @@ class Tables {
 std::string save(ResultsFolder& folder, const Tables& tables) {
   if (std::string why = folder.save(); !why.empty()) return why;
   try {
-    write_atomically(folder.directory() + "/table.md", tables.of(folder.all_rows()));
+    const std::vector<Row> rows = folder.all_rows();
+    write_atomically(folder.directory() + "/table.md", make_heading(folder.context(), rows) + tables.of(rows));
     return "";
   } catch (const std::exception& e) {
     return e.what();
@@ -157,7 +160,11 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
                                  save(folder, tables);
                                  say_what_is_kept(folder);
                                });
-    const std::size_t kept = execute(plan, registry, earlier, folder);
+    const std::size_t kept = execute(plan, registry, earlier, folder, [&](const std::string& images, bool changed) {
+      const std::string& to = options.directory;
+      if (changed || !std::filesystem::exists(to + "/" + images + "/overview.png"))
+        save_overview(to, images, folder.all_rows());
+    });
     if (!earlier.empty()) spdlog::info("{} of {} rows of the earlier run were kept", kept, earlier.size());
   }
   return finish(folder, tables);

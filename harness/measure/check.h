@@ -10,15 +10,19 @@ namespace penumbra {
 struct Checked {
   Row row;
   std::unique_ptr<Technique> technique;  ///< prepared, and has shaded
-  double estimate_ms = 1.0;              ///< of a frame
-  Image image;                           ///< of the scored frame
+  double update_ms = 0.0;                ///< of the scored frame, once
+  double shade_ms = 1.0;                 ///< the same, warm unless it is long
+  double estimate_ms() const { return update_ms + shade_ms; }
+  Image image;  ///< of the scored frame
 };
 
 /// Nothing measured yet; skipped if the variant cannot run here or shade the light.
 Row empty_row(const Variant& variant, const SceneContext& context, const Suite& suite);
 
-/// Prepares (timed) and shades; refuses images that are not finite or differ from the scalar twin's; scores. Never
-/// throws for what the technique does. `sheet_file`: for the frames of a sequence.
+/// Prepares (timed) and shades; refuses images that are not finite; scores. Never throws for what the technique does.
+Checked look_at(const Variant& variant, const SceneContext& context, const Suite& suite);
+
+/// The same, and refuses images that differ from the scalar twin's. `sheet_file`: for the frames of a sequence.
 Checked check(const Variant& variant, const SceneContext& context, const Suite& suite, const Registry& registry,
               const std::string& sheet_file);
 

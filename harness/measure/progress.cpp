@@ -22,8 +22,8 @@ namespace penumbra {
 namespace {
 
 constexpr const char* wipe = "\r\033[K";
-constexpr double quiet = 2.0;                            // s: what is done by then says nothing
-constexpr double on_terminal = 0.1, elsewhere = 10.0;    // s between lines
+constexpr double quiet = 2.0;                          // s: what is done by then says nothing
+constexpr double on_terminal = 0.1, elsewhere = 10.0;  // s between lines
 constexpr auto tick_time = std::chrono::milliseconds(500);
 
 std::atomic<bool> line_on_stderr = false;  ///< is a progress line there, which a message has to clear away?
@@ -51,9 +51,10 @@ void say(const std::string& text) {
   std::fflush(stderr);
 }
 
-Scene load_scene(const std::string& name_or_path, Progress& progress) {
+Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, Progress& progress) {
   progress.step("loading " + name_or_path);
-  return load_scene(name_or_path, {}, [&](const std::string& stage, double share) { progress.share(stage, share); });
+  return load_scene(name_or_path, choice,
+                    [&](const std::string& stage, double share) { progress.share(stage, share); });
 }
 
 std::shared_ptr<spdlog::logger> message_logger() {

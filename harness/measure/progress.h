@@ -1,5 +1,5 @@
-// What a command is doing: what, how far, time left. One rewritten line on a terminal, a line every ten seconds elsewhere,
-// nothing for what is done within two seconds. Goes to stderr.
+// What a command is doing: what, how far, time left. One rewritten line on a terminal, a line every ten seconds
+// elsewhere, nothing for what is done within two seconds. Goes to stderr.
 #pragma once
 
 #include <condition_variable>
@@ -18,6 +18,7 @@ class logger;
 namespace penumbra {
 
 struct Scene;
+struct SphereChoice;
 
 /// Writes to stderr; that nobody can read it must not end a run.
 void say(const std::string& text);
@@ -87,13 +88,13 @@ class Progress {
   const double start_;
   std::mutex mutex_;
   std::map<std::string, Kind> kinds_;
-  bool under_way_ = false;        ///< is there a step?
-  std::string step_, kind_;       ///< what it is
-  std::string part_;              ///< what `share_` is of, if not of the step
-  double share_ = -1.0;           ///< unknown below 0
+  bool under_way_ = false;   ///< is there a step?
+  std::string step_, kind_;  ///< what it is
+  std::string part_;         ///< what `share_` is of, if not of the step
+  double share_ = -1.0;      ///< unknown below 0
   double step_start_, part_start_;
-  double drawn_ = -1e9;           ///< seconds of the clock
-  bool on_screen_ = false;        ///< is there a line to be cleared?
+  double drawn_ = -1e9;     ///< seconds of the clock
+  bool on_screen_ = false;  ///< is there a line to be cleared?
   std::set<std::string> said_;
 
   std::thread timer_;
@@ -103,7 +104,7 @@ class Progress {
 };
 
 /// load_scene() as a step of its own; the fit that it may need tells how far it is.
-Scene load_scene(const std::string& name_or_path, Progress& progress);
+Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, Progress& progress);
 
 /// Messages to stderr, in place of the progress line if there is one.
 std::shared_ptr<spdlog::logger> message_logger();

@@ -112,9 +112,18 @@ void SceneContext::warn_of_spheres(Progress& progress) const {
   }
 }
 
+std::optional<double> SceneContext::error_of(Rung which, int resolution) const {
+  const Image* image = rung(which, resolution);
+  if (!image) return {};
+  return relative(rms(difference(*image, truth()), valid_), rms(truth(), valid_), black_);
+}
+
+std::string SceneContext::blackness() const {
+  return rms(truth(), valid_) > black_ ? "" : black_note(scene_.name, frame_.light, frame_.receivers, open_light_);
+}
+
 void SceneContext::finish_references(Progress& progress) {
-  if (!(rms(truth(), valid_) > black_))
-    progress.note_once(black_note(scene_.name, frame_.light, frame_.receivers, open_light_));
+  if (const std::string why = blackness(); !why.empty()) progress.note_once(why);
   warn_of_sizes(progress);
   warn_of_spheres(progress);
 }

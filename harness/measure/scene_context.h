@@ -38,6 +38,12 @@ class SceneContext {
   /// What each approximation of a technique that has shaded adds to its error; empty if it does not know.
   std::vector<StepError> attribute(const Technique& technique, const Image& image, const Parameters& parameters) const;
 
+  /// Relative RMSE of a rung against truth; absent if it was not added, or the truth is black.
+  std::optional<double> error_of(Rung rung, int resolution) const;
+
+  /// Why the truth is black; empty if it is not.
+  std::string blackness() const;
+
   /// Median of three runs of the camera's rays, ms; -1 without a camera.
   double view_ms(int threads) const;
 

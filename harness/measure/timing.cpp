@@ -91,15 +91,16 @@ void run_repetition(benchmark::State& state, TimedItem& item, Animation& animati
 
 }  // namespace
 
-void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitions, const TimingEvents& events) {
+void time_items(std::vector<TimedItem>& items, int repetitions, const TimingEvents& events) {
   if (items.empty()) return;
   initialise_once();
   benchmark::ClearRegisteredBenchmarks();
   std::vector<std::unique_ptr<Animation>> animations;  // each item sees its own sequence of frames
-  std::vector<vec3> image(std::size_t(scene.receivers.size()));
+  std::vector<vec3> image;                             // one for all, as large as the largest
   for (TimedItem& item : items) {
     item.timing.iterations = std::clamp(long(std::ceil(30.0 / std::max(item.estimate_ms, 1e-3))), 1L, 1000L);
-    Animation& animation = *animations.emplace_back(std::make_unique<Animation>(scene));
+    Animation& animation = *animations.emplace_back(std::make_unique<Animation>(*item.scene));
+    image.resize(std::max(image.size(), std::size_t(item.scene->receivers.size())));
     const auto repetition = [&, repetitions](benchmark::State& state) {
       events.repetition();
       const bool over = !item.failure.empty();

@@ -13,6 +13,7 @@ namespace penumbra {
 struct TimedItem {
   std::string name;
   Technique* technique = nullptr;
+  const Scene* scene = nullptr;  ///< that it was prepared for
   int threads = 1;
   double estimate_ms = 1.0;  ///< of a frame; sets how many frames make one repetition (at least 30 ms of them)
 
@@ -27,7 +28,7 @@ struct TimingEvents {
 };
 
 /// Fills in the samples. Stops early when interrupted: some items then have fewer than asked for.
-void time_items(std::vector<TimedItem>& items, const Scene& scene, int repetitions, const TimingEvents& events);
+void time_items(std::vector<TimedItem>& items, int repetitions, const TimingEvents& events);
 
 /// Google Benchmark's context plus ours: CPU, caches, instruction sets, compiler, flags, commit, program, load.
 nlohmann::json machine_context();

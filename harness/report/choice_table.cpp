@@ -4,6 +4,7 @@
 
 #include "harness/report/markdown_table.h"
 #include "harness/report/row_text.h"
+#include "harness/report/screen_text.h"
 #include "harness/report/tables.h"
 #include "harness/results/derived.h"
 

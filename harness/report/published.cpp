@@ -9,6 +9,7 @@
 
 #include "harness/report/markdown_table.h"
 #include "harness/report/row_text.h"
+#include "harness/report/screen_text.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
 
@@ -101,7 +102,8 @@ std::string make_published_table(const PublishedTable& table, const std::vector<
   std::vector<std::string> columns = {"scene", "technique", "backend", "threads"};
   columns.insert(columns.end(), table.keys().begin(), table.keys().end());
   columns.push_back("fps");
-  for (const std::string& device : table.devices()) columns.push_back("published " + device), columns.push_back("x " + device);
+  for (const std::string& device : table.devices())
+    columns.push_back("published " + device), columns.push_back("x " + device);
   columns.insert(columns.end(), {"spheres %", "cube %", "truth %"});
   MarkdownTable beside(columns);
   for (const Row& row : rows) {

@@ -42,10 +42,10 @@ std::string rank_by_error(const Row& row, const std::vector<const Row*>& rows) {
 
 /// In order of frame time.
 std::string table_of(std::vector<const Row*> rows) {
-  MarkdownTable table({"",         "technique", "backend", "parameters", "threads",  "spheres",    "prepare ms",
-                       "update ms", "shade ms", "frame ms", "MiB",       "truth %",  "rank",       "cube %",
-                       "spheres %", "geometry %", "13x13 %", "signed",   "negative", "PSNR",       "SSIM",
-                       "FLIP"});
+  MarkdownTable table({"",           "technique", "backend",   "parameters", "threads", "spheres",
+                       "prepare ms", "update ms", "shade ms",  "frame ms",   "MiB",     "truth %",
+                       "rank",       "cube %",    "spheres %", "geometry %", "13x13 %", "signed",
+                       "negative",   "PSNR",      "SSIM",      "FLIP"});
   std::stable_sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) {
     return a->timing.median_frame_ms() < b->timing.median_frame_ms();
   });
@@ -89,8 +89,10 @@ std::string make_table(const std::vector<Row>& rows) {
       "reference's own noise makes of an exact image; `rank`: 1 is nearest to the truth. Frame times are medians with "
       "half the interquartile range of the repetitions; where these ranges overlap, times are ties. `P`: no other row "
       "of the scene is faster and not farther from the truth, or nearer and not slower.\n`signed`: mean of image - "
-      "truth in W m^-2 sr^-1 (positive leaks light, negative over-darkens); `negative`: channel values below 0, left as "
-      "they are. PSNR, SSIM and FLIP are against truth. `geometry`: rung spheres against rung cube, what the sphere set "
+      "truth in W m^-2 sr^-1 (positive leaks light, negative over-darkens); `negative`: channel values below 0, left "
+      "as "
+      "they are. PSNR, SSIM and FLIP are against truth. `geometry`: rung spheres against rung cube, what the sphere "
+      "set "
       "alone adds. Columns that no row has anything to say in are left out.\n";
   for (const std::string& scene : scenes_of(rows)) {
     const std::vector<const Row*> good = good_rows(rows, scene);

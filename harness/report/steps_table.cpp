@@ -14,8 +14,8 @@ std::string make_steps_table(const std::vector<Row>& rows) {
     for (const StepError& step : row.score.steps)
       steps += fmt::format("{}{} {:.3g} ({:.0f})", steps.empty() ? "" : ", ", step.name, 100.0 * step.rel_rmse,
                            100.0 * step.share);
-    table.add({row.id.scene, variant_label(row, good_rows(rows, row.id.scene)), spheres_text(row.id), geometry_text(row),
-               steps, rung_text(row, "spheres"), rung_or_tie(row, "truth")});
+    table.add({row.id.scene, variant_label(row, good_rows(rows, row.id.scene)), spheres_text(row.id),
+               geometry_text(row), steps, rung_text(row, "spheres"), rung_or_tie(row, "truth")});
   }
   if (table.empty()) return "";
   return "\n## What each approximation adds\n\nFrom rung `spheres` to the technique's image, one approximation after "

@@ -9,8 +9,8 @@
 
 namespace penumbra {
 
-/// What stands on top of a run's tables: suite, machine, date, repetitions, commit, from the context of results.json and
-/// the rows under it. What the context does not say is left out.
+/// What stands on top of a run's tables: suite, machine, date, repetitions, commit, from the context of results.json
+/// and the rows under it. What the context does not say is left out.
 std::string make_heading(const nlohmann::json& context, const std::vector<Row>& rows);
 
 /// Per scene, rows by frame time with their rank by error against truth; Pareto-optimal rows are marked.

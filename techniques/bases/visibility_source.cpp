@@ -11,6 +11,10 @@ std::vector<Parameter> VisibilitySource::parameters() {
           choice_parameter("bins", {"angle", "ratio"}, "radius bins of the table: uniform in the angle or in R / d")};
 }
 
+std::vector<Knob> VisibilitySource::knobs() {
+  return {{"visibility", {"table", "raster"}}, {"resolution", {16, 32}}};
+}
+
 VisibilitySource::VisibilitySource(const Parameters& p, const std::string& owner)
     : kind_(p.text("visibility") == "rays"     ? Kind::rays
             : p.text("visibility") == "raster" ? Kind::raster

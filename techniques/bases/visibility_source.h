@@ -4,8 +4,7 @@
 #include <optional>
 
 #include "techniques/bases/blocked.h"
-#include "techniques/parameters.h"
-#include "techniques/technique.h"
+#include "techniques/registry.h"
 
 namespace penumbra {
 
@@ -16,6 +15,7 @@ class VisibilitySource {
  public:
   /// "visibility", "resolution" and "bins", for the declarations of techniques.
   static std::vector<Parameter> parameters();
+  static std::vector<Knob> knobs();
   static bool reads_spheres(const Parameters& parameters) { return parameters.text("visibility") != "rays"; }
 
   /// Throws Error if the parameters exclude each other.

@@ -95,6 +95,8 @@ void register_pixel_basis(Registry& registry) {
     entry.lights = {true, false};
     entry.reads_spheres = VisibilitySource::reads_spheres;
     entry.parameters = VisibilitySource::parameters();
+    entry.knobs = VisibilitySource::knobs();
+    entry.errs_by = "table";
     if (simd) entry.make = [](const Parameters& p) { return std::make_unique<PixelBasisSimd>(p); };
     else entry.make = [](const Parameters& p) { return std::make_unique<PixelBasis>(p); };
     entry.parity = 1e-4;

@@ -163,6 +163,9 @@ void register_ray_traced(Registry& registry) {
                          "ratio: exact unshadowed light x sampled visible share, where normals are shared"),
         choice_parameter("occluder", {"mesh", "spheres"},
                          "what the rays meet; spheres show the error of the fit alone")};
+    entry.knobs = {
+        {"rays", {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096}, true}};
+    entry.errs_by = "noise";
     if (packets) entry.make = [](const Parameters& p) { return std::make_unique<RayTracedPackets>(p); };
     else entry.make = [](const Parameters& p) { return std::make_unique<RayTraced>(p); };
     entry.parity = 1e-3;  // Embree's packet and single-ray traversals may round an edge differently

@@ -222,6 +222,8 @@ void register_sh_exponentiation(Registry& registry) {
         choice_parameter("hierarchy", {"on", "off"}, "bounding spheres in place of spheres that look small"),
         choice_parameter("normals", {"exact", "table"}, "light x cosine per receiver, or from a cube map of normals"),
         choice_parameter("window", {"none", "hann", "lanczos", "laplacian"}, "damps the ringing of the light")};
+    entry.knobs = {{"order", {4, 5, 6}, true}};
+    entry.errs_by = "few bands";
     if (simd) entry.make = [](const Parameters& p) { return std::make_unique<ShExponentiationSimd>(p); };
     else entry.make = [](const Parameters& p) { return std::make_unique<ShExponentiation>(p); };
     entry.parity = 1e-3;

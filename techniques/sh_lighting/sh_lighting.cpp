@@ -106,6 +106,8 @@ void register_sh_lighting(Registry& registry) {
                          "complement: exact cosine lobe less the blocked directions; plain: sum of the open ones"),
         choice_parameter("window", {"none", "hann", "lanczos", "laplacian"}, "damps the ringing of the light"),
         integer_parameter("seed", 1, 0, 1 << 30, "", "of the directions: same seed, same image")};
+    entry.knobs = {{"order", {2, 3, 4, 5, 6}, true}};
+    entry.errs_by = "few bands";
     if (simd) entry.make = [](const Parameters& p) { return std::make_unique<ShLightingSimd>(p); };
     else entry.make = [](const Parameters& p) { return std::make_unique<ShLighting>(p); };
     entry.parity = 1e-3;  // Embree's packet and single-ray traversals may round an edge differently

@@ -35,9 +35,9 @@ class Timings : public testing::Test {
   /// Frames of 5 ms: six of them make a repetition.
   void time(int repetitions) {
     std::vector<TimedItem> items;
-    for (Ticking* t : {&good_, &bad_}) items.push_back({t == &good_ ? "good" : "bad", t, 1, 5.0, {}, ""});
     const Scene scene = test::sphere_scene({}, test::receivers_at({vec3(0.0f)}));
-    time_items(items, scene, repetitions,
+    for (Ticking* t : {&good_, &bad_}) items.push_back({t == &good_ ? "good" : "bad", t, &scene, 1, 5.0, {}, ""});
+    time_items(items, repetitions,
                {[&] { ++begun_; }, [&](const TimedItem& item) { finished_.push_back(item); }});
   }
   Ticking good_, bad_;

@@ -79,7 +79,10 @@ TEST(SceneFile, MistakesNameFileLineKeyAndWhatIsAllowed) {
        {"t.toml:8", "'fog'", "motion"}},
       {"unknown key",
        scene_text("[occluder]\nmesh = \"box\"\ncolour = 1\n", good_receivers, good_light),
-       {"t.toml:4", "occluder.colour", "fit, mesh, objective, seed, spheres"}},
+       {"t.toml:4", "occluder.colour", "fit, mesh, objective, seed, spheres, up"}},
+      {"unknown up",
+       scene_text("[occluder]\nmesh = \"box\"\nup = \"x\"\n", good_receivers, good_light),
+       {"t.toml:4", "occluder.up", "allowed are y, z"}},
       {"seed of something else",
        scene_text("[occluder]\nmesh = \"box\"\nseed = 3\n", good_receivers, good_light),
        {"occluder.seed", "primitives"}},
@@ -172,6 +175,56 @@ TEST(SceneFile, PathsAreRelativeToTheFile) {
       "t.toml", scene_text("[occluder]\nmesh = \"tri.obj\"\nspheres = \"s.json\"\n", good_receivers, good_light)));
   EXPECT_EQ(scene.mesh.triangles.size(), 1u);
   EXPECT_EQ(scene.spheres.size(), 1u);
+}
+
+/// A pyramid with normals that stands on z = 1 with its apex at (1, 2, 4), as a program with z up writes it.
+const char* pyramid_with_z_up =
+    "v 0 1 1\nv 3 1 1\nv 3 3 1\nv 0 3 1\nv 1 2 4\nvn 0 0 -1\nvn 0 -0.6 0.8\nvn 0.6 0 0.8\nvn 0 0.6 0.8\nvn -0.6 0 0.8\n"
+    "f 4//1 3//1 2//1 1//1\nf 1//2 2//2 5//2\nf 2//3 3//3 5//3\nf 3//4 4//4 5//4\nf 4//5 1//5 5//5\n";
+
+TEST(SceneFile, MeshesWithZUpAreTurnedUpright) {
+  const test::TemporaryFolder folder;
+  folder.write("pyramid.obj", pyramid_with_z_up);
+  const auto load = [&](const std::string& more) {
+    return load_scene(folder.write(
+        "t.toml", scene_text("[occluder]\nmesh = \"pyramid.obj\"\n" + more, good_receivers, good_light)));
+  };
+  const Scene lying = load("up = \"y\"\n"), upright = load("up = \"z\"\nspheres = [[1, 2, 4, 0.5]]\n");
+  EXPECT_EQ(bounds(upright.mesh).low, vec3(0, 1, -3));
+  EXPECT_EQ(bounds(upright.mesh).high, vec3(3, 4, -1));
+  EXPECT_EQ(upright.spheres.spheres[0].centre, vec3(1, 4, -2)) << "at the apex, as in the file";
+  ASSERT_EQ(upright.mesh.positions.size(), lying.mesh.positions.size());
+  for (std::size_t i = 0; i < lying.mesh.positions.size(); ++i) {
+    const vec3 p = lying.mesh.positions[i], n = lying.mesh.normals[i];
+    EXPECT_EQ(upright.mesh.positions[i], vec3(p.x, p.z, -p.y));
+    EXPECT_EQ(upright.mesh.normals[i], vec3(n.x, n.z, -n.y));
+  }
+  double volume = 0.0;
+  for (const uvec3& t : upright.mesh.triangles) {
+    const vec3 a = upright.mesh.positions[t.x], b = upright.mesh.positions[t.y], c = upright.mesh.positions[t.z];
+    volume += double(glm::dot(a, glm::cross(b, c))) / 6.0;
+    EXPECT_GT(glm::dot(glm::cross(b - a, c - a), upright.mesh.normals[t.x]), 0.0f);
+  }
+  EXPECT_NEAR(volume, 3.0 * 2.0 * 3.0 / 3.0, 1e-5) << "its outside is outside";
+
+  const Scene fitted = load("up = \"z\"\nfit = { height = 6.0, on_ground = true }\nspheres = [[1, 2, 4, 0.5]]\n");
+  EXPECT_EQ(bounds(fitted.mesh).low.y, 0.0f);
+  EXPECT_EQ(bounds(fitted.mesh).high.y, 6.0f) << "the height is that of the turned mesh";
+  EXPECT_EQ(fitted.spheres.spheres[0].centre, vec3(-1, 6, 0));
+}
+
+TEST(SceneFile, SpheresAreFittedToTheTurnedMesh) {
+  const test::TemporaryFolder folder;
+  folder.write("pyramid.obj", pyramid_with_z_up);
+  const auto load = [&](const std::string& more) {
+    return load_scene(folder.write("t.toml", scene_text("[occluder]\nmesh = \"pyramid.obj\"\nspheres = 8\n" + more,
+                                                        good_receivers, good_light)));
+  };
+  const Scene upright = load("up = \"z\"\n");
+  for (const Sphere& s : upright.spheres.spheres) {
+    EXPECT_GT(s.centre.y, 0.9f);
+    EXPECT_LT(s.centre.z, -0.9f);
+  }
 }
 
 TEST(SceneFile, MeshWithNanNamesTheKey) {

@@ -1,0 +1,57 @@
+// What `penumbra choose` found, as one screen and as JSON.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "harness/choose/bound.h"
+#include "harness/results/row.h"
+
+namespace penumbra {
+
+/// One source of an option's error: relative RMSE between the images before and after it.
+struct ErrorPart {
+  std::string name;
+  double rel_rmse = 0.0;
+};
+
+/// The best configuration of one technique.
+struct Option {
+  Row row;            ///< measured like any other
+  std::string label;  ///< technique, spheres and knobs
+  bool within = false;
+  double moving_ms = -1.0;       ///< of a frame in which the mesh has moved; -1: not asked for
+  std::vector<ErrorPart> parts;  ///< largest first
+};
+
+/// Techniques that cannot answer, and why.
+struct Impossible {
+  std::string reason;
+  std::vector<std::string> techniques;
+};
+
+struct Answer {
+  Bound bound;
+  std::string scene, scene_file, folder;
+  bool moving = false;  ///< does the mesh move in what was timed?
+  std::size_t receivers = 0;
+  int threads = 1;
+  std::optional<double> rel_noise;  ///< of the truth
+  std::vector<Option> options;      ///< those within the bound first, the best first
+  std::vector<Impossible> impossible;
+  std::vector<std::string> left_out;  ///< what was not tried for want of time
+  std::optional<Option> searched;     ///< beside an exhaustive grid: what the search alone would have answered
+  std::optional<int> scene_spheres;   ///< that the scene file asks for
+  int looks = 0;
+  double seconds = 0.0;
+
+  /// Nothing if no option is within the bound.
+  const Option* best() const { return !options.empty() && options.front().within ? &options.front() : nullptr; }
+  /// The best option, or else the nearest, as a command line; empty if there is none.
+  std::string render_line() const;
+};
+
+/// At most 100 columns and 25 lines, the verdict first.
+std::string screen_of(const Answer& answer);
+nlohmann::json to_json(const Answer& answer);
+
+}  // namespace penumbra
