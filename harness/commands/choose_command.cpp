@@ -12,6 +12,7 @@
 #include "harness/measure/timing.h"
 #include "harness/report/row_text.h"
 #include "harness/report/screen.h"
+#include "harness/results/text.h"
 #include "scenes/error.h"
 #include "scenes/scene_outline.h"
 
