@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "harness/report/row_text.h"
+#include "harness/report/screen.h"
 #include "harness/results/pictures.h"
 #include "harness/results/text.h"
 #include "scenes/log.h"
