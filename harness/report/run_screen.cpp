@@ -27,10 +27,18 @@ std::string spread_text(const Row& row) {
   return row.timing.frame_ms.size() < 2 ? "" : fmt::format("±{:.2g}", row.timing.frame_spread_ms());
 }
 
+/// "pixel-basis 64 spheres visibility=raster"; backend and threads have a column of their own.
+std::string label(const Row& row, const std::vector<const Row*>& rows) {
+  std::string text = row.id.technique;
+  if (row.id.reads_spheres && row.id.spheres > 0) text += fmt::format(" {} spheres", row.id.spheres);
+  const std::string parameters = telling_parameters(row, rows);
+  return parameters.empty() ? text : text + " " + parameters;
+}
+
 /// One row in the columns of all sections.
 std::vector<std::string> cells(const std::string& lead, const Row& row, const std::vector<const Row*>& rows) {
   return {lead,
-          short_label(row, rows),
+          label(row, rows),
           row.id.backend + (row.id.threads > 1 ? fmt::format(" x{}", row.id.threads) : ""),
           three_digits(row.timing.median_frame_ms()),
           spread_text(row),
