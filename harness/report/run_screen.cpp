@@ -124,7 +124,7 @@ class Screen {
     const std::vector<bool> optimal = pareto_optimal(good);
     std::vector<const Row*> best;
     for (std::size_t i = 0; i < good.size(); ++i)
-      if (optimal[i]) best.push_back(good[i]);
+      if (optimal[i] && !good[i]->timing.frame_ms.empty()) best.push_back(good[i]);
     std::stable_sort(best.begin(), best.end(), [](const Row* a, const Row* b) {
       return a->timing.median_frame_ms() < b->timing.median_frame_ms();
     });

@@ -58,7 +58,7 @@ std::string without_last_letter(std::string text) {
 
 std::string three_digits(double value) {
   if (std::abs(value) >= 99.95) return fmt::format("{:.0f}", value);
-  const std::string text = fmt::format("{:#.3g}", value);
+  const std::string text = fmt::format("{:.3g}", value);
   return text.find('e') == std::string::npos ? text : fmt::format("{:.2g}", value);
 }
 
