@@ -1,6 +1,7 @@
-"""Puts the table of a run of the suite `quick` into the README, and draws the figures of the docs from runs.
+"""Puts the table of a run of the suite `quick` and an answer of `choose` into the README, and draws the docs' figures.
 
-    scripts/bench.sh && .venv/bin/python scripts/update_readme.py
+    scripts/bench.sh && build/release/penumbra choose bunny --light city --error 2% && \\
+        .venv/bin/python scripts/update_readme.py
 
 A figure whose run is not there is left as it is; `penumbra run soft-shadows --out results/runs/soft-shadows` makes one.
 """
@@ -52,6 +53,13 @@ def table() -> str:
     return f"`{SCENE}`, {context['num_cpus']} cores of one {context['cpu_name']}:\n\n" + "\n".join(lines)
 
 
+def replace_section(name: str, content: str) -> None:
+    readme = ROOT / "README.md"
+    begin, end = f"<!-- {name}:begin -->\n", f"<!-- {name}:end -->"
+    head, rest = readme.read_text().split(begin)
+    readme.write_text(head + begin + content + "\n" + end + rest.split(end)[1])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--figures", action="append", choices=FIGURES, help="draw only this one; leave the table alone")
@@ -59,11 +67,10 @@ def main() -> None:
     figures(only)
     if only:
         return
-    readme = ROOT / "README.md"
-    text = readme.read_text()
-    begin, end = "<!-- table:begin -->\n", "<!-- table:end -->"
-    head, rest = text.split(begin)
-    readme.write_text(head + begin + table() + "\n" + end + rest.split(end)[1])
+    replace_section("table", table())
+    screen = RUNS / "choose" / "choice.txt"
+    if screen.exists():
+        replace_section("choose", f"```\n{screen.read_text().strip()}\n```")
 
 
 if __name__ == "__main__":

@@ -69,6 +69,7 @@ int finish(const ChooseOptions& o, const Answer& answer, ResultsFolder& folder) 
   const std::string json = to_json(answer).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   try {
     write_atomically(o.directory + "/choice.json", json);
+    write_atomically(o.directory + "/choice.txt", screen_of(answer, screen_width()));
   } catch (const std::exception& e) {
     unwritten = e.what();
   }
