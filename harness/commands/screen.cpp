@@ -60,4 +60,9 @@ std::string labelled(const std::string& label, const std::string& text, int colu
   return out + wrapped(text, width, column, column) + "\n";
 }
 
+std::string spaced(std::string label) {
+  std::replace(label.begin(), label.end(), '/', ' ');
+  return label;
+}
+
 }  // namespace penumbra

@@ -24,4 +24,7 @@ std::string wrapped(const std::string& text, int width, int indent = 0, int star
 /// own. Ends with a line break.
 std::string labelled(const std::string& label, const std::string& text, int column, int width);
 
+/// A row's label with spaces for its slashes, so that it can be broken into lines.
+std::string spaced(std::string label);
+
 }  // namespace penumbra
