@@ -83,8 +83,8 @@ SphereList listed_spheres(TomlReader& at, const toml::array& list) {
 
 /// In the mesh's coordinates. A fit by count keeps the name of its objective in `objective`; spheres from a list or a
 /// file leave it empty.
-SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const SphereChoice& choice,
-                      std::string& objective, const FitProgress& progress) {
+SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const SphereChoice& choice, std::string& objective,
+                      const FitProgress& progress) {
   const toml::node* node = at.node("spheres");
   const bool fitted = choice.count || (node && node->is_integer());
   if (!fitted && at.has("objective")) at.fail("objective", "is for spheres given by count");
@@ -103,7 +103,8 @@ SphereList spheres_of(TomlReader& at, const ImportedMesh& imported, const Sphere
       const auto cached = fit_in_cache(mesh, request);
       return cached ? widened(*cached, mesh.origin) : SphereList();
     }
-    return at_key(at, "spheres", [&] { return widened(cached_fit(mesh, request, *at.text("mesh"), progress), mesh.origin); });
+    return at_key(at, "spheres",
+                  [&] { return widened(cached_fit(mesh, request, *at.text("mesh"), progress), mesh.origin); });
   }
   if (!node) return {};
   if (node->is_string()) {

@@ -9,6 +9,7 @@ packages=(
   libbenchmark-dev libgtest-dev libgmock-dev
   libembree-dev libtbb-dev libhwy-dev libglm-dev libboost-context-dev libassimp-dev libnlopt-dev libnlopt-cxx-dev libeigen3-dev
   libopenimageio-dev openimageio-tools libopencv-core-dev # OpenImageIO's CMake files name the last two
+  fonts-dejavu-core # labels of pictures
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libspdlog-dev
   glmark2-data blender-data # bunny, horse, cat; eight environments
   clang-format-14 clang-tidy-14

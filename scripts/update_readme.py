@@ -1,38 +1,43 @@
-"""Puts the picture and the table of a run of the suite `quick` into the README.
+"""Puts the table of a run of the suite `quick` and an answer of `choose` into the README, and draws the docs' figures.
 
-    scripts/bench.sh && .venv/bin/python scripts/update_readme.py
+    scripts/bench.sh && build/release/penumbra choose bunny --light city --error 2% && \\
+        .venv/bin/python scripts/update_readme.py
+
+A figure whose run is not there is left as it is; `penumbra run soft-shadows --out results/runs/soft-shadows` makes one.
 """
 
+import argparse
 import json
 import pathlib
-
-from PIL import Image, ImageDraw
+import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-RUN = ROOT / "results" / "runs" / "latest"
+RUNS = ROOT / "results" / "runs"
+RUN = RUNS / "latest"
 SCENE = "bunny-city"
-PANELS = [
-    ("truth", None),
-    ("16 rays", "ray-traced-simd-rays-16-threads-2"),
-    ("sphere table", "pixel-basis-simd-threads-2"),
-    ("exact spheres", "pixel-basis-simd-visibility-raster-threads-2"),
-    ("sh-exponentiation", "sh-exponentiation-simd-threads-2"),
-]
+# Figure: run, scenes, rows in the order of the panels.
+FIGURES = {
+    "techniques": ("latest", [SCENE], ["/ray-traced/simd/rays:16/", "/pixel-basis/simd.*visibility:table",
+                                       "/pixel-basis/simd.*visibility:raster", "/sh-exponentiation/simd"]),
+    "soft-shadows": ("soft-shadows", ["soft-random"], ["/pcss/", "/hqepcss/", "/fast-pcss/.*snap_place:corner",
+                                                       "/pcss-rotated/.*pattern:vogel", "/moment-shadows/"]),
+    "low-frequency": ("low-frequency", [SCENE, "bunny-softbox"],
+                      ["spheres:64/.*sh-exponentiation.*hierarchy:on.*order:4", "spheres:64/.*sh-exponentiation.*hierarchy:off",
+                       "spheres:64/.*sh-exponentiation.*order:6", "/sh-lighting/", "spheres:64/.*/wavelet/",
+                       "spheres:64/.*/pixel-basis/", "/ray-traced/"]),
+}
 
 
-def picture() -> None:
-    folder = RUN / "images" / f"{SCENE}-64-spheres-shadow"
-    size, title, gap = 256, 22, 6
-    sheet = Image.new("RGB", (len(PANELS) * (size + gap) - gap, title + 2 * size + gap), "white")
-    draw = ImageDraw.Draw(sheet)
-    for column, (label, name) in enumerate(PANELS):
-        x = column * (size + gap)
-        draw.text((x + 4, 5), label, fill="black")
-        files = [f"{name or 'truth'}.png"] + ([f"{name}.error.png"] if name else [])
-        for row, file in enumerate(files):
-            panel = Image.open(folder / file).convert("RGB").resize((size, size), Image.NEAREST)
-            sheet.paste(panel, (x, title + row * (size + gap)))
-    sheet.save(ROOT / "docs" / "techniques.png", optimize=True)
+def figures(only) -> None:
+    for name, (run, scenes, rows) in FIGURES.items():
+        if (only and name not in only) or not (RUNS / run / "results.json").exists():
+            continue
+        command = [ROOT / "build/release/penumbra", "sheet", RUNS / run, "-o", ROOT / "docs" / f"{name}.png"]
+        for scene in scenes:
+            command += ["--scene", scene]
+        for row in rows:
+            command += ["--rows", row]
+        subprocess.run(command, check=True)
 
 
 COLUMNS = ["", "technique", "backend", "parameters", "threads", "frame ms", "truth %", "cube %", "spheres %", "FLIP"]
@@ -43,18 +48,29 @@ def table() -> str:
     context = json.loads((RUN / "results.json").read_text())["context"]
     section = (RUN / "table.md").read_text().split(f"## {SCENE}: by frame time\n\n")[1].split("\n\n")[0]
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in section.splitlines()]
-    chosen = [rows[0].index(name) for name in COLUMNS]
+    chosen = [rows[0].index(name) for name in COLUMNS if name in rows[0]]
     lines = ["| " + " | ".join(row[k] for k in chosen) + " |" for row in rows]
     return f"`{SCENE}`, {context['num_cpus']} cores of one {context['cpu_name']}:\n\n" + "\n".join(lines)
 
 
-def main() -> None:
-    picture()
+def replace_section(name: str, content: str) -> None:
     readme = ROOT / "README.md"
-    text = readme.read_text()
-    begin, end = "<!-- table:begin -->\n", "<!-- table:end -->"
-    head, rest = text.split(begin)
-    readme.write_text(head + begin + table() + "\n" + end + rest.split(end)[1])
+    begin, end = f"<!-- {name}:begin -->\n", f"<!-- {name}:end -->"
+    head, rest = readme.read_text().split(begin)
+    readme.write_text(head + begin + content + "\n" + end + rest.split(end)[1])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--figures", action="append", choices=FIGURES, help="draw only this one; leave the table alone")
+    only = parser.parse_args().figures
+    figures(only)
+    if only:
+        return
+    replace_section("table", table())
+    screen = RUNS / "choose" / "choice.txt"
+    if screen.exists():
+        replace_section("choose", f"```\n{screen.read_text().strip()}\n```")
 
 
 if __name__ == "__main__":

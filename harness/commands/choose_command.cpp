@@ -12,6 +12,7 @@
 #include "harness/measure/timing.h"
 #include "harness/report/row_text.h"
 #include "harness/report/screen.h"
+#include "harness/results/text.h"
 #include "scenes/error.h"
 #include "scenes/scene_outline.h"
 
@@ -68,6 +69,7 @@ int finish(const ChooseOptions& o, const Answer& answer, ResultsFolder& folder) 
   const std::string json = to_json(answer).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   try {
     write_atomically(o.directory + "/choice.json", json);
+    write_atomically(o.directory + "/choice.txt", screen_of(answer, screen_width()));
   } catch (const std::exception& e) {
     unwritten = e.what();
   }

@@ -13,6 +13,7 @@ void add_run(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_reference(CLI::App& app, int& exit_code);
 void add_fit(CLI::App& app, int& exit_code);
+void add_sheet(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
 void add_init(CLI::App& app, int& exit_code);
 void add_help(CLI::App& app, int& exit_code);

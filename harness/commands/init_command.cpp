@@ -1,6 +1,5 @@
 // penumbra init: a scene and a suite to start from.
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "scenes/assets.h"
 #include "scenes/error.h"
 #include "scenes/fit/solid.h"
+#include "scenes/log.h"
 
 namespace penumbra {
 namespace {
@@ -25,7 +25,7 @@ bool is_closed(const std::string& name) {
     make_solid(mesh, name);
     return true;
   } catch (const Error& e) {
-    spdlog::warn("{}; the scene is written without spheres, so techniques that need them are skipped", e.what());
+    warn("{}; the scene is written without spheres, so techniques that need them are skipped", e.what());
     return false;
   }
 }

@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   add_render(app, exit_code);
   add_reference(app, exit_code);
   add_fit(app, exit_code);
+  add_sheet(app, exit_code);
   add_list(app, exit_code);
   add_init(app, exit_code);
   add_help(app, exit_code);

@@ -60,7 +60,7 @@ nlohmann::json reference_json(const std::string& scene, const Reference& r, cons
 void reference(const ReferenceOptions& options) {
   expect_scene(options.scene, make_registry());
   Progress progress;
-  const Scene scene = load_scene(options.scene, progress);
+  const Scene scene = load_scene(options.scene, {}, progress);
   const Rung rung = parse_rung(options.rung);
   ReferenceSettings settings;
   settings.truth_noise = options.noise;

@@ -30,7 +30,7 @@ void render(const RenderOptions& options) {
   const Entry& entry = registry.find(options.technique, backend);
   const auto technique = make_technique(entry, options.parameters);
   Progress progress;
-  const Scene scene = load_scene(options.scene, progress, {options.spheres, {}});
+  const Scene scene = load_scene(options.scene, {options.spheres, {}}, progress);
   if (!entry.lights.accepts(scene.light))
     throw Unsupported(entry.title() + " cannot shade the light of scene " + scene.name);
   progress.step("preparing " + entry.title());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
@@ -17,6 +18,7 @@
 #include "harness/report/published_times.h"
 #include "harness/report/run_screen.h"
 #include "harness/report/screen.h"
+#include "harness/report/sheet.h"
 #include "harness/report/tables.h"
 #include "harness/results/provenance.h"
 #include "scenes/log.h"
@@ -50,7 +52,8 @@ class Tables {
 std::string save(ResultsFolder& folder, const Tables& tables) {
   if (std::string why = folder.save(); !why.empty()) return why;
   try {
-    write_atomically(folder.directory() + "/table.md", tables.of(folder.all_rows()));
+    const std::vector<Row> rows = folder.all_rows();
+    write_atomically(folder.directory() + "/table.md", make_heading(folder.context(), rows) + tables.of(rows));
     return "";
   } catch (const std::exception& e) {
     return e.what();
@@ -172,7 +175,11 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
                                  save(folder, tables);
                                  say_what_is_kept(folder);
                                });
-    const std::size_t kept = execute(plan, registry, earlier, folder);
+    const std::size_t kept = execute(plan, registry, earlier, folder, [&](const std::string& images, bool changed) {
+      const std::string& to = options.directory;
+      if (changed || !std::filesystem::exists(to + "/" + images + "/overview.png"))
+        save_overview(to, images, folder.all_rows());
+    });
     if (!earlier.empty()) inform("{} of {} rows of the earlier run were kept", kept, earlier.size());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -29,9 +29,10 @@ class SceneJobs {
         context_(load_scene(planned.listed, planned.choice,
                             [&](const std::string& stage, double share) { progress.share(stage, share); }),
                  *plan.suite),
-        images_(*plan.suite, folder.directory() + "/images/" + context_.folder(), context_) {}
+        images_(*plan.suite, folder.directory(), context_) {}
 
   const SceneContext& context() const { return context_; }
+  const SceneImages& images() const { return images_; }
 
   /// Takes over what is finished, and what cannot be measured; false if nothing else is left.
   bool take_over(const std::vector<Row>& earlier, std::size_t& kept) {
@@ -45,7 +46,7 @@ class SceneJobs {
       });
       if (!row.ok()) folder_.add(row);
       else if (at == earlier.end()) todo_.insert(job.variant);
-      else folder_.add(*at), ++kept, partial_ = true;
+      else folder_.add(*at), ++kept;
     }
     folder_.expect(names);
     return !todo_.empty();
@@ -57,7 +58,6 @@ class SceneJobs {
       stop_if_interrupted();
       do_job(job);
     }
-    if (!partial_) images_.save_overview();  // of all variants, or as it was
     time_checked();
   }
 
@@ -145,6 +145,7 @@ class SceneJobs {
     if (c.row.failed()) progress_.note(c.row.id.name() + ": " + c.row.status);
     if (!c.row.ok()) return finish(job.variant, c.row);
     images_.save(v, c.image);
+    c.row.facts.image = images_.stem(v);
     c.image = {};
     checked_.emplace_back(job.variant, std::move(c));
   }
@@ -184,7 +185,6 @@ class SceneJobs {
   const StepCounts later_;
   SceneContext context_;
   SceneImages images_;
-  bool partial_ = false;                                  ///< was some row taken over?
   bool ready_ = false;                                    ///< are all references there?
   std::set<std::size_t> todo_;                            ///< variants that have no row yet
   std::vector<std::pair<std::size_t, Checked>> checked_;  ///< with their variants
@@ -206,7 +206,7 @@ void fail_scene(const Plan& plan, const PlannedScene& scene, const std::string& 
 /// the failure of its rows.
 void run_scene(const Plan& plan, const PlannedScene& planned, const Registry& registry, const std::vector<Row>& earlier,
                ResultsFolder& folder, Progress& progress, const StepCounts& later, std::set<std::string>& seen,
-               std::size_t& kept) {
+               std::size_t& kept, const SceneDone& scene_done) {
   std::optional<SceneJobs> jobs;
   try {
     announce(sum(steps_of(planned, plan.repetitions), later), progress);
@@ -216,7 +216,9 @@ void run_scene(const Plan& plan, const PlannedScene& planned, const Registry& re
       return progress.note(fmt::format("{}: a fit of {} spheres needs no more than {}, which had their turn",
                                        planned.outline.name, planned.outline.spheres,
                                        jobs->context().scene().spheres.size()));
-    if (jobs->take_over(earlier, kept)) jobs->run();
+    const bool changed = jobs->take_over(earlier, kept);
+    if (changed) jobs->run();
+    if (!interrupted()) scene_done(jobs->images().folder(), changed);
   } catch (const std::exception& e) {
     stop_if_interrupted();  // it may have taken a child process along
     progress.note(fmt::format("scene {}: failed: {}", planned.outline.name, e.what()));
@@ -239,8 +241,8 @@ std::map<std::string, std::string> check_scenes(const Plan& plan) {
   return keys;
 }
 
-std::size_t execute(const Plan& plan, const Registry& registry, const std::vector<Row>& earlier,
-                    ResultsFolder& folder) {
+std::size_t execute(const Plan& plan, const Registry& registry, const std::vector<Row>& earlier, ResultsFolder& folder,
+                    const SceneDone& scene_done) {
   Progress progress;
   StepCounts later;
   for (const PlannedScene& scene : plan.scenes) later = sum(later, steps_of(scene, plan.repetitions));
@@ -250,7 +252,7 @@ std::size_t execute(const Plan& plan, const Registry& registry, const std::vecto
     for (const PlannedScene& scene : plan.scenes) {
       stop_if_interrupted();
       for (const auto& [kind, count] : steps_of(scene, plan.repetitions)) later[kind] -= count;
-      run_scene(plan, scene, registry, earlier, folder, progress, later, seen, kept);
+      run_scene(plan, scene, registry, earlier, folder, progress, later, seen, kept, scene_done);
       if (const std::string why = folder.save(); !why.empty())
         progress.note(why + "; going on, the tables come at the end");
     }

@@ -51,11 +51,7 @@ void say(const std::string& text) {
   std::fflush(stderr);
 }
 
-Scene load_scene(const std::string& name_or_path, Progress& progress) {
-  return load_scene(name_or_path, progress, SphereChoice{});
-}
-
-Scene load_scene(const std::string& name_or_path, Progress& progress, const SphereChoice& choice) {
+Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, Progress& progress) {
   progress.step("loading " + name_or_path);
   return load_scene(name_or_path, choice,
                     [&](const std::string& stage, double share) { progress.share(stage, share); });

@@ -104,8 +104,7 @@ class Progress {
 };
 
 /// load_scene() as a step of its own; the fit that it may need tells how far it is.
-Scene load_scene(const std::string& name_or_path, Progress& progress);
-Scene load_scene(const std::string& name_or_path, Progress& progress, const SphereChoice& choice);
+Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, Progress& progress);
 
 /// Messages to stderr, in place of the progress line if there is one.
 std::shared_ptr<spdlog::logger> message_logger();

@@ -1,4 +1,4 @@
-// The images that a run leaves of one scene: each variant's, and all side by side.
+// The images that a run leaves of one scene: each variant's.
 #pragma once
 
 #include "harness/measure/scene_context.h"
@@ -8,24 +8,26 @@ namespace penumbra {
 /// What cannot be written is a warning. The context outlives this.
 class SceneImages {
  public:
-  SceneImages(const Suite& suite, std::string folder, const SceneContext& context);
+  /// `results`: the folder of a run; images go to images/ below it.
+  SceneImages(const Suite& suite, const std::string& results, const SceneContext& context);
+
+  /// Where they are, below the folder of results.
+  const std::string& folder() const { return folder_; }
+  /// Of a variant, without its ending; below the folder of results.
+  std::string stem(const Variant& variant) const { return folder_ + "/" + stems_.at(variant.label()); }
 
   /// Where the contact sheet of a variant's frames belongs.
   std::string sheet_file(const Variant& variant) const;
   void save_truth();
   /// The image and its signed error.
   void save(const Variant& variant, const Image& image);
-  /// overview.png: truth and all variants, their signed errors below.
-  void save_overview() const;
 
  private:
-  std::string file(const std::string& stem) const { return folder_ + "/" + stem; }
   void save_both(const std::string& stem, const Image& image) const;
 
   const std::map<std::string, std::string> stems_;  ///< by label
-  const std::string folder_;
+  const std::string results_, folder_;
   const SceneContext& context_;
-  std::vector<Image> panels_, errors_;  ///< thumbnails
 };
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 #include "harness/report/row_text.h"
 #include "harness/report/tables.h"
 #include "harness/results/derived.h"
+#include "harness/results/text.h"
 
 namespace penumbra {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "harness/report/markdown_table.h"
 #include "harness/report/row_text.h"
+#include "harness/results/text.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
 

@@ -9,6 +9,7 @@
 #include "harness/report/markdown_table.h"
 #include "harness/report/published.h"
 #include "harness/report/row_text.h"
+#include "harness/results/text.h"
 #include "scenes/error.h"
 #include "scenes/pattern.h"
 
@@ -72,7 +73,7 @@ std::string make_published_times_table(const Suite& suite, const std::vector<Row
       const std::string group = fmt::format("{} {}, {} threads", row.id.scene, row.id.backend, row.id.threads);
       const First& first =
           firsts.try_emplace({line.table, line.subject, group}, First{published, measured}).first->second;
-      table.add({line.table, line.subject, line.variant, three_digits(published),
+      table.add({line.table, line.subject, line.variant, fmt::format("{}", published),
                  three_digits(published / first.published), row.id.technique + ", " + group,
                  line.stages.empty() ? "frame" : fmt::format("{}", fmt::join(line.stages, " + ")),
                  three_digits(measured), "**" + three_digits(measured / first.measured) + "**"});

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "harness/results/statistics.h"
 
@@ -52,12 +51,6 @@ std::string variant_label(const Row& row, const std::vector<const Row*>& rows) {
 std::string short_label(const Row& row, const std::vector<const Row*>& rows) {
   const bool telling = row.id.reads_spheres && differs(row, rows, spheres_text);
   return variant_label(row, rows) + (telling ? " spheres=" + spheres_text(row.id) : "");
-}
-
-std::string three_digits(double value) {
-  if (std::abs(value) >= 99.95) return fmt::format("{:.0f}", value);
-  std::string text = fmt::format("{:#.3g}", value);
-  return text.find('e') == std::string::npos ? text : fmt::format("{:.2g}", value);
 }
 
 std::string spheres_text(const RowIdentity& id) {

@@ -21,9 +21,6 @@ std::string variant_label(const Row& row, const std::vector<const Row*>& rows);
 /// The same, and the spheres where they differ: "pixel-basis spheres=64 cover".
 std::string short_label(const Row& row, const std::vector<const Row*>& rows);
 
-/// Three significant digits without an exponent: "1234", "123", "12.3", "0.0123".
-std::string three_digits(double value);
-
 /// "**12.345** ±0.012": median and half the interquartile range, which one sample does not have.
 std::string milliseconds_text(const Timing& timing);
 

@@ -27,10 +27,18 @@ std::string spread_text(const Row& row) {
   return row.timing.frame_ms.size() < 2 ? "" : fmt::format("±{:.2g}", row.timing.frame_spread_ms());
 }
 
+/// "pixel-basis 64 spheres visibility=raster"; backend and threads have a column of their own.
+std::string label(const Row& row, const std::vector<const Row*>& rows) {
+  std::string text = row.id.technique;
+  if (row.id.reads_spheres && row.id.spheres > 0) text += fmt::format(" {} spheres", row.id.spheres);
+  const std::string parameters = telling_parameters(row, rows);
+  return parameters.empty() ? text : text + " " + parameters;
+}
+
 /// One row in the columns of all sections.
 std::vector<std::string> cells(const std::string& lead, const Row& row, const std::vector<const Row*>& rows) {
   return {lead,
-          short_label(row, rows),
+          label(row, rows),
           row.id.backend + (row.id.threads > 1 ? fmt::format(" x{}", row.id.threads) : ""),
           three_digits(row.timing.median_frame_ms()),
           spread_text(row),
@@ -116,7 +124,7 @@ class Screen {
     const std::vector<bool> optimal = pareto_optimal(good);
     std::vector<const Row*> best;
     for (std::size_t i = 0; i < good.size(); ++i)
-      if (optimal[i]) best.push_back(good[i]);
+      if (optimal[i] && !good[i]->timing.frame_ms.empty()) best.push_back(good[i]);
     std::stable_sort(best.begin(), best.end(), [](const Row* a, const Row* b) {
       return a->timing.median_frame_ms() < b->timing.median_frame_ms();
     });

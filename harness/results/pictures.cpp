@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/colour.h"
+#include "scenes/error.h"
 #include "scenes/log.h"
 
 namespace penumbra {
@@ -15,6 +17,16 @@ void try_to_save(const std::function<void()>& save) {
   }
 }
 
+Image load_picture(const std::string& path) {
+  const ChannelImage file = load_channels(path);
+  if (file.channels.size() != 3) throw Error("{}: {} channels; a picture has 3", path, file.channels.size());
+  Image image{file.width, file.height, {}};
+  for (std::size_t i = 0; i < file.values.size(); i += 3)
+    image.pixels.emplace_back(srgb_decode(file.values[i]), srgb_decode(file.values[i + 1]),
+                              srgb_decode(file.values[i + 2]));
+  return image;
+}
+
 Image exposed(const Image& image, double exposure) {
   Image out = image;
   for (vec3& p : out.pixels) p = vec3(dvec3(p) * exposure);
@@ -24,12 +36,43 @@ Image exposed(const Image& image, double exposure) {
 Image signed_error(const Image& image, const Image& reference, double exposure) {
   Image out{image.width, image.height, {}};
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const double e =
-        std::clamp(4.0 * exposure * double(luminance(image.pixels[i]) - luminance(reference.pixels[i])), -1.0, 1.0);
+    const double e = std::clamp(
+        exposure / signed_error_range * double(luminance(image.pixels[i]) - luminance(reference.pixels[i])), -1.0, 1.0);
     const auto fade = float(1.0 - std::abs(e));
     out.pixels.push_back(e >= 0 ? vec3(1.0f, fade, fade) : vec3(fade, fade, 1.0f));
   }
   return out;
+}
+
+namespace {
+
+Image averaged(const Image& image, int step) {
+  Image out{(image.width + step - 1) / step, (image.height + step - 1) / step, {}};
+  for (int y = 0; y < image.height; y += step)
+    for (int x = 0; x < image.width; x += step) {
+      vec3 sum(0.0f);
+      int count = 0;
+      for (int v = y; v < std::min(y + step, image.height); ++v)
+        for (int u = x; u < std::min(x + step, image.width); ++u, ++count)
+          sum += image.pixels[std::size_t(v) * image.width + u];
+      out.pixels.push_back(sum / float(count));
+    }
+  return out;
+}
+
+Image repeated(const Image& image, int times) {
+  Image out{image.width * times, image.height * times, {}};
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      out.pixels.push_back(image.pixels[std::size_t(y / times) * image.width + x / times]);
+  return out;
+}
+
+}  // namespace
+
+Image panel(const Image& image, int widest) {
+  const int size = std::max({1, image.width, image.height});
+  return size > widest ? averaged(image, (size + widest - 1) / widest) : repeated(image, widest / size);
 }
 
 Image thumbnail(const Image& image) {

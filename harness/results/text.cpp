@@ -56,6 +56,12 @@ std::string without_last_letter(std::string text) {
   return text.substr(0, last);
 }
 
+std::string three_digits(double value) {
+  if (std::abs(value) >= 99.95) return fmt::format("{:.0f}", value);
+  const std::string text = fmt::format("{:.3g}", value);
+  return text.find('e') == std::string::npos ? text : fmt::format("{:.2g}", value);
+}
+
 std::string duration_text(double seconds) {
   const double whole = std::ceil(std::clamp(seconds, 1.0, 1e9));
   const auto s = static_cast<long>(whole);

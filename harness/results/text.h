@@ -14,6 +14,9 @@ std::string cut_to_columns(const std::string& text, int columns);
 /// The text without its last letter.
 std::string without_last_letter(std::string text);
 
+/// Three significant digits without an exponent: "1234", "123", "12.3", "0.0123".
+std::string three_digits(double value);
+
 /// A time in seconds as "12 s", "3 min 20 s", "2 h 05 min", rounded up.
 std::string duration_text(double seconds);
 

@@ -1,6 +1,8 @@
 // `penumbra choose` as a whole, on small scenes.
 #include "harness/choose/choose.h"
 
+#include <fmt/format.h>
+
 #include <set>
 
 #include "harness/choose/finals.h"
@@ -178,8 +180,8 @@ TEST_F(Choices, ScreensFitWhateverTheNames) {
     EXPECT_EQ(test::lines_too_long(screen_of(a, width), width), "");
     EXPECT_LE(test::count_lines(screen_of(a, width)), 25);
   }
-  for (Option& o : a.options) o.label += std::string(80, 'x') + "äöü";
-  a.left_out = {std::string(60, 'y') + " " + std::string(60, 'z')};
+  for (Option& o : a.options) o.label.append(80, 'x'), o.label += "äöü";
+  a.left_out = {fmt::format("{:y>60} {:z>60}", "", "")};
   while (a.options.size() < 30) a.options.push_back(a.options.back());
   const std::string screen = screen_of(a, 100);
   EXPECT_EQ(test::lines_too_long(screen.substr(screen.find("technique ")), 100), "");

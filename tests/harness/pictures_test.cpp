@@ -43,6 +43,33 @@ TEST(Pictures, SheetsHoldTheirPanelsInOrder) {
   EXPECT_TRUE(contact_sheet({}).pixels.empty());
 }
 
+TEST(Pictures, WhatWasWrittenIsReadBack) {
+  const test::TemporaryFolder folder;
+  Image image = grey({0.0f, 0.25f, 0.5f, 1.0f}, 2);
+  image.pixels[1] = {0.1f, 0.2f, 0.3f};
+  save_png(folder.path() + "/a.png", image);
+  const Image back = load_picture(folder.path() + "/a.png");
+  ASSERT_EQ(back.width, 2);
+  for (std::size_t i = 0; i < 4; ++i)
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(back.pixels[i][c], image.pixels[i][c], 0.005f);
+  EXPECT_NE(test::error_of([] { load_picture("/no/such.png"); }), "");
+}
+
+TEST(Pictures, PanelsAreAveragedOrRepeated) {
+  const Image small = panel(grey({0.1f, 0.2f}, 2), 5);
+  ASSERT_EQ(small.width, 4);
+  ASSERT_EQ(small.height, 2);
+  EXPECT_EQ(small.pixels[1].x, 0.1f);
+  EXPECT_EQ(small.pixels[6].x, 0.2f);
+  const Image large = panel(grey({1, 2, 3, 4, 5, 6, 7, 8, 9}, 3), 2);
+  ASSERT_EQ(large.width, 2);
+  ASSERT_EQ(large.height, 2);
+  EXPECT_EQ(large.pixels[0].x, 3.0f) << "of 1, 2, 4, 5";
+  EXPECT_EQ(large.pixels[1].x, 4.5f) << "of 3, 6: the rest is outside";
+  EXPECT_EQ(large.pixels[3].x, 9.0f);
+  EXPECT_EQ(panel(grey(std::vector<float>(600, 0.0f), 2), 100).height, 100) << "tall ones, too";
+}
+
 TEST(Pictures, WidePanelsAreThinned) {
   Image wide{256, 2, {}};
   for (int i = 0; i < 512; ++i) wide.pixels.emplace_back(float(i));

@@ -56,11 +56,11 @@ TEST(Progress, ElsewhereALineEveryTenSeconds) {
   Screen screen(false);
   Progress progress(screen.output());
   const Progress::Still still(progress);
-  for (int k = 0; k < 250; ++k) progress.step("step " + std::to_string(k)), screen.wait(0.1);
+  for (int k = 0; k < 200; ++k) progress.step("step " + std::to_string(k)), screen.wait(0.125);
   const auto writes = screen.writes();
   ASSERT_EQ(writes.size(), 3u) << "after 2, 12 and 22 of 25 seconds";
-  EXPECT_EQ(writes[0], "step 20\n");
-  EXPECT_EQ(writes[1], "step 120\n");
+  EXPECT_EQ(writes[0], "step 16\n");
+  EXPECT_EQ(writes[1], "step 96\n");
 }
 
 TEST(Progress, OnATerminalTheLineIsRewrittenAndClearedAway) {
@@ -113,7 +113,7 @@ TEST(Progress, TimeLeftIsThatOfStepsOfTheSameKind) {
   EXPECT_EQ(screen.line(), "[15 %, 29 s left] b") << "3 s a check: 3 x 3 + 20 s, after 5 s";
   screen.wait(1.0);
   progress.share(0.25);
-  EXPECT_EQ(screen.line(), "[19 %, 29 s left] b, 25 %") << "b takes 3 s more: 3 + 2 x 3 + 20 s, after 6 s";
+  EXPECT_EQ(screen.line(), "[17 %, 29 s left] b, 25 %") << "b takes 3 s more: 3 + 2 x 3 + 20 s, after 6 s";
   progress.expect("time", 0, 0.2);
   screen.wait(1.0);
   progress.share("a part of b", 0.5);
@@ -162,6 +162,7 @@ class Witness : public Technique {
     timer_beside_last_frame = has_timer_thread();
     for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] = vec3(1.0f);
   }
+  Footprint footprint() const override { return {}; }
   static inline bool prepared_beside_timer = false, timer_beside_last_frame = true;
 };
 
@@ -191,7 +192,8 @@ TEST(Progress, ReferencesTellHowFarTheyAre) {
     std::sort(shares.begin(), shares.end());
     ASSERT_GE(shares.size(), 8u) << to_string(rung);
     EXPECT_LE(shares.front(), 0.5) << to_string(rung);
-    EXPECT_EQ(shares.back(), 1.0) << to_string(rung);
+    if (rung == Rung::truth) EXPECT_GT(shares.back(), 0.7) << "predicted";
+    else EXPECT_EQ(shares.back(), 1.0) << to_string(rung);
     const Reference without = compute_reference(animation.frame(0), rung, settings);
     EXPECT_EQ(with.rays_per_receiver, without.rays_per_receiver);
     for (std::size_t i = 0; i < with.mean.pixels.size(); ++i)
@@ -205,7 +207,7 @@ TEST(Progress, TheTruthPredictsItsRounds) {
   Scene scene = test::sphere_scene({{{0, 1, 0}, 0.5f}}, test::receivers_at(std::vector<vec3>(300, vec3(0.3f, 0, 0))));
   Animation animation(scene);
   ReferenceSettings settings;
-  settings.truth_noise = 0.001;
+  settings.truth_noise = 0.0002;
   std::vector<double> shares;
   compute_reference(animation.frame(0), Rung::truth, settings, [&](double share) { shares.push_back(share); });
   ASSERT_GE(shares.size(), 20u);

@@ -31,7 +31,7 @@ TEST(Published, Table2OfZhaoAndChe) {
 TEST(Published, PrintsRatios) {
   const std::string text =
       make_published_table(PublishedTable::load("zhao-che-2011-table2"), {wavelet_row(32, 50, 1000.0 / 63.06)});
-  EXPECT_NE(text.find("| 50 | 32 | 2 | **63.1** | 2.91 | 21.7 | | | 31.53 | 2 |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| 50 | 32 | 2 | **63.1** | 2.91 | 21.7 | 31.53 | 2 |"), std::string::npos) << text;
   const std::string slow =
       make_published_table(PublishedTable::load("zhao-che-2011-table2"), {wavelet_row(32, 50, 1000.0 / 3.9, 1)});
   EXPECT_NE(slow.find("34.45 | 0.113 |"), std::string::npos) << "a small ratio keeps its digits: " << slow;
@@ -49,10 +49,8 @@ TEST(Published, TimesAreComparedAsRatiosWithinTableAndSubject) {
     return r;
   };
   const std::string text = make_published_times_table(suite, {row("slow", 50), row("fast", 200)});
-  EXPECT_NE(text.find("PCSS | 188.7 | 1.000 | slow, s simd, 1 threads | frame | 50.000 | **1.000** |"),
-            std::string::npos);
-  EXPECT_NE(text.find("Fast PCSS | 8.8 | 0.047 | fast, s simd, 1 threads | x + y | 4.000 | **0.080** |"),
-            std::string::npos)
+  EXPECT_NE(text.find("PCSS | 188.7 | 1 | slow, s simd, 1 threads | frame | 50 | **1** |"), std::string::npos);
+  EXPECT_NE(text.find("Fast PCSS | 8.8 | 0.0466 | fast, s simd, 1 threads | x + y | 4 | **0.08** |"), std::string::npos)
       << text;
   suite.published_times[0].variant = "Slow PCSS";
   EXPECT_NE(test::error_of([&] { check_published_times(suite); }).find("Slow PCSS"), std::string::npos);

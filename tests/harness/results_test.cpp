@@ -1,4 +1,5 @@
 #include "harness/measure/timing.h"
+#include "harness/report/markdown_table.h"
 #include "harness/report/row_text.h"
 #include "harness/report/tables.h"
 #include "harness/results/derived.h"
@@ -74,12 +75,89 @@ TEST(Results, StagesKeepTheirOrderAndAddUp) {
 TEST(Results, ChoiceNamesTheCheapestWithinAnError) {
   const std::string text = make_choice_table({row_with("a", 10, 0.02), row_with("a", 30, 0.009),
                                               row_with("a", 40, 0.001), row_with("b", 5, 0.05), row_with("c", 1, 0.5)});
-  EXPECT_NE(text.find("| a | 30.00 ms, 0.90 %, simd  | 10.00 ms, 2.00 %, simd  | 10.00 ms, 2.00 %, simd  |"),
-            std::string::npos)
+  EXPECT_NE(text.find("| a | **30 ms**, 0.9 %, simd | **10 ms**, 2 %, simd | 10 ms, 2 %, simd |"), std::string::npos)
       << text;
-  EXPECT_NE(text.find("| b | | | 5.00 ms, 5.00 %, simd  |"), std::string::npos) << text;
-  EXPECT_NE(text.find("| c | | | |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| b | | | **5 ms**, 5 %, simd |"), std::string::npos) << text;
+  EXPECT_EQ(text.find("| c |"), std::string::npos) << "within no limit: " << text;
   EXPECT_EQ(make_choice_table({row_with("a", 10, 0.02)}), "") << "nothing to choose";
+}
+
+// Rows of 10 to 11 ms with a spread of 0.5 are equally fast; of them the nearest counts, and none of them is beaten.
+TEST(Results, ChoiceHonoursTheNoiseOfTimes) {
+  const std::string text =
+      make_choice_table({row_with("a", 10, 0.028), row_with("a", 10.9, 0.011), row_with("a", 12, 0.0105),
+                         row_with("b", 10.5, 0.02), row_with("c", 13, 0.001)});
+  EXPECT_NE(text.find("| a | | **10.9 ms**, 1.1 %, simd |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| b | | **10.5 ms**, 2 %, simd |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| c | **13 ms**, 0.1 %, simd | 13 ms, 0.1 %, simd |"), std::string::npos) << text;
+  EXPECT_NE(make_choice_table({row_with("a", 10, 0.2), row_with("b", 10, 0.3)}).find("None is within 10 %"),
+            std::string::npos);
+}
+
+TEST(Results, OneTableAScene) {
+  Row fast = row_with("fast", 10, 0.2), near = row_with("near", 20, 0.1), exact = row_with("exact", 30, 0.001, 0.01),
+      as_exact = row_with("as-exact", 40, 0.002, 0.01);
+  const std::string text = make_table({exact, near, fast, as_exact});
+  EXPECT_EQ(text.find("by error"), std::string::npos);
+  EXPECT_LT(text.find("| fast |"), text.find("| near |")) << "in order of time";
+  EXPECT_NE(text.find("| truth % | rank | signed |"), std::string::npos)
+      << "cube, spheres, geometry and 13x13 are left out: " << text;
+  for (const char* part : {"| 20 | 4 |", "| 10 | 3 |", "(tie) | 1 |"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << text;
+  EXPECT_EQ(text.find("(tie) | 2 |"), std::string::npos) << "ties share their rank";
+  EXPECT_EQ(text.find("negative |"), std::string::npos);
+  fast.score.errors["truth"].report.all.negative = 3;
+  EXPECT_NE(make_table({fast, near}).find("| negative |"), std::string::npos);
+}
+
+TEST(Results, EveryReasonIsSaidOnce) {
+  Row a = row_with("a", 1, 0.1), b = row_with("b", 1, 0.1), c = row_with("c", 1, 0.1);
+  a.status = b.status = "skipped: why", c.status = "failed: so";
+  EXPECT_TRUE(make_table({a, c, b}).ends_with("\n## s: not measured\n\n- a, b: skipped: why\n- c: failed: so\n"))
+      << make_table({a, c, b});
+}
+
+TEST(Results, LabelsSayWhatTellsRowsApart) {
+  Row a = row_with("a", 1, 0.1), b = a;
+  a.id.defaults = b.id.defaults = a.id.parameters;
+  EXPECT_EQ(short_label(a, {&a, &b}), "a");
+  b.id.parameters.set("rays", 64);
+  EXPECT_EQ(short_label(b, {&a, &b}), "a rays=64");
+  b.id.backend = "scalar", b.id.threads = 7;
+  EXPECT_EQ(short_label(b, {&a, &b}), "a scalar rays=64") << "another backend has other threads anyway";
+  b.id.backend = "simd";
+  EXPECT_EQ(short_label(b, {&a, &b}), "a rays=64 threads=7");
+  b.id.spheres = 8, b.id.objective = "cover";
+  EXPECT_EQ(short_label(b, {&a, &b}), "a rays=64 threads=7 spheres=8 cover");
+  EXPECT_EQ(variant_label(b, {&a, &b}), "a rays=64 threads=7");
+  Row other = b;
+  other.id.technique = "b";
+  EXPECT_EQ(short_label(b, {&b, &other}), "a rays=64") << "what another technique has says nothing";
+}
+
+TEST(Results, TheHeadingSaysWhatWasMeasuredWhereAndWhen) {
+  nlohmann::json context = {{"suite", "quick"},     {"cpu_name", "Abacus 9"},       {"num_cpus", 2},
+                            {"date", "2026-01-02"}, {"commit", "0123456789abcdef"}, {"dirty", "false"},
+                            {"compiler", "GNU 12"}, {"build_type", "Release"},      {"busy", false}};
+  const Row row = row_with("a", 1, 0.1);
+  EXPECT_EQ(make_heading(context, {row}),
+            "# quick\n\n- machine: Abacus 9, 2 cores\n- date: 2026-01-02\n- commit: 0123456789, GNU 12, Release\n"
+            "- measured: 3 repetitions\n");
+  context["dirty"] = "true", context["busy"] = true;
+  Row once = row_with("b", 1, 0.1);
+  once.timing.frame_ms = {1.0};
+  const std::string text = make_heading(context, {row, once});
+  for (const char* part : {"0123456789 with changes that are not committed", "it was busy", "1 to 3 repetitions"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << text;
+  EXPECT_EQ(make_heading(nlohmann::json::object(), {}), "# penumbra\n\n- measured: nothing was measured\n");
+}
+
+TEST(Results, MarkdownTablesLeaveOutWhatIsEmpty) {
+  MarkdownTable table({"", "name", "nothing", "figure"});
+  EXPECT_EQ(table.text(), "");
+  table.add({"P", "a|b", "", "1"});
+  table.add({"", "c\nd", "", ""});
+  EXPECT_EQ(table.text(), "| | name | figure |\n|---|---|---|\n| P | a\\|b | 1 |\n| | c d | |\n");
 }
 
 TEST(Results, MedianIsTheMiddle) {
@@ -118,14 +196,13 @@ TEST(Results, UndefinedErrorsAreNeitherZeroNorBest) {
   EXPECT_FALSE(fast.score.truth_error());
   EXPECT_EQ(pareto_optimal({&fast, &slow}), (std::vector<bool>{false, false}));
   const std::string text = make_table({fast, slow});
-  EXPECT_NE(text.find("undefined (RMSE 0.0027) | undefined (RMSE 0.0027) | undefined (RMSE 0.0027) | undefined |"),
+  EXPECT_NE(text.find("undefined (RMSE 0.0027) | 2 | undefined (RMSE 0.0027) | undefined (RMSE 0.0027) | undefined |"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("The truth is black"), std::string::npos);
   for (const char* wrong : {"| P |", "| 0 |  |", "(tie) |", "inf", "nan"})
     EXPECT_EQ(text.find(wrong), std::string::npos) << wrong;
-  const std::size_t second = text.find("by error against truth");
-  EXPECT_LT(text.find("| slow |", second), text.find("| fast |", second)) << "ordered by RMSE";
+  EXPECT_NE(text.find("undefined (RMSE 0) | 1 |"), std::string::npos) << "ranked by RMSE";
   const std::string choice = make_choice_table({fast, slow});
   EXPECT_NE(choice.find("the truth is black"), std::string::npos) << choice;
   EXPECT_EQ(choice.find(" ms"), std::string::npos) << choice;

@@ -20,8 +20,12 @@ TEST_F(Runs, GoodRowsAreMeasuredAndWritten) {
   EXPECT_TRUE(r.score.errors.contains("truth") && r.score.errors.contains("cube"));
   EXPECT_FALSE(r.score.errors.contains("spheres")) << "the scene has none";
   EXPECT_GT(r.score.errors.at("truth").report.all.mean_signed, 0.0) << "no shadow at all leaks light";
-  for (const char* file : {"table.md", "images/tiny-0-spheres/truth.exr", "images/tiny-0-spheres/truth.png",
-                           "images/tiny-0-spheres/good-scalar-threads-1.error.png"})
+  EXPECT_EQ(r.facts.image, "images/tiny-0-spheres/good-scalar-threads-1");
+  const std::string tables = test::read_text(out() + "/table.md");
+  EXPECT_TRUE(tables.starts_with("# t\n\n- machine: ")) << tables;
+  EXPECT_NE(tables.find("- measured: 2 repetitions"), std::string::npos) << tables;
+  for (const char* file : {"table.md", "images/tiny-0-spheres/overview.png", "images/tiny-0-spheres/truth.exr",
+                           "images/tiny-0-spheres/truth.png", "images/tiny-0-spheres/good-scalar-threads-1.error.png"})
     EXPECT_TRUE(std::filesystem::exists(out() + "/" + file)) << file;
 }
 

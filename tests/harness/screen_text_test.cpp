@@ -1,5 +1,7 @@
 #include "harness/report/screen.h"
 
+#include <fmt/format.h>
+
 #include "tests/harness/screens.h"
 #include "tests/support.h"
 
@@ -14,14 +16,15 @@ TEST(ScreenText, ThousandsHaveCommas) {
 
 TEST(ScreenText, CommandsBreakAsAShellReadsThem) {
   std::string words;
-  for (int k = 0; k < 60; ++k) words += (k ? " " : "") + std::string("word") + std::to_string(k);
+  for (int k = 0; k < 60; ++k) words += fmt::format("{}word{}", k ? " " : "", k);
   const std::string text = wrapped_command(words, 60);
   EXPECT_EQ(test::lines_too_long(text, 60), "");
   std::string joined = text;
-  for (std::size_t at; (at = joined.find(" \\\n    ")) != std::string::npos;) joined.replace(at, 7, " ");
+  for (std::size_t at; (at = joined.find(" \\\n    ")) != std::string::npos;) joined.erase(at + 1, 6);
   EXPECT_EQ(joined, words);
-  EXPECT_EQ(wrapped_command(std::string(55, 'a') + " -o\x1fimage.png", 60),
-            std::string(55, 'a') + " \\\n    -o image.png");
+  std::string command(55, 'a'), broken(55, 'a');
+  command += " -o\x1fimage.png", broken += " \\\n    -o image.png";
+  EXPECT_EQ(wrapped_command(command, 60), broken);
   EXPECT_EQ(wrapped_command("short -o\x1f"
                             "x",
                             60),
