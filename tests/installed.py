@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Installs a build into a folder and uses it there, without the sources.
 
-    tests/installed.py --build build/release --sources .
+    tests/installed.py --build build/release --program build/release/tests/penumbra_without_sources
 
-The installed program gets its data from its own share/penumbra: every path of the sources within it is overwritten with
-one that does not exist. $PENUMBRA_DATA comes before that, and without any data there is one line and exit code 2.
+The program is put in the place of the installed one, which it equals but for the folder of the sources: that is nowhere. It
+gets its data from its own share/penumbra; $PENUMBRA_DATA comes before that, and without any data there is one line and
+exit code 2.
 """
 import argparse
 import pathlib
@@ -52,17 +53,15 @@ def expect(condition, what, text):
 def install(options, prefix):
     subprocess.run(["cmake", "--install", options.build, "--prefix", prefix], check=True, stdout=subprocess.DEVNULL)
     program = prefix / "bin" / "penumbra"
-    sources = str(pathlib.Path(options.sources).resolve()).encode()
-    content = program.read_bytes()
-    expect(sources in content, "the program should know where it was built", str(program))
-    program.write_bytes(content.replace(sources, b"/nowhere" + b"x" * (len(sources) - 8)))
+    expect(program.exists(), "an installation should have a program", prefix)
+    shutil.copy(options.program, program)
     return program
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--build", required=True, type=pathlib.Path)
-    parser.add_argument("--sources", required=True)
+    parser.add_argument("--program", required=True, type=pathlib.Path)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         place = pathlib.Path(folder).resolve()

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 #include "tests/support.h"
 
@@ -12,8 +13,18 @@ namespace {
 
 class DataFolder : public testing::Test {
  protected:
-  void TearDown() override { unsetenv("PENUMBRA_DATA"); }
+  void TearDown() override {
+    if (before_) {
+      setenv("PENUMBRA_DATA", before_->c_str(), 1);
+    } else {
+      unsetenv("PENUMBRA_DATA");
+    }
+  }
   const test::TemporaryFolder folder_;
+
+ private:
+  const char* set_ = std::getenv("PENUMBRA_DATA");
+  const std::optional<std::string> before_ = set_ ? std::optional<std::string>(set_) : std::nullopt;
 };
 
 TEST_F(DataFolder, IsThatOfTheSourcesInABuildInPlace) {
