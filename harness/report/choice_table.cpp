@@ -8,12 +8,12 @@
 namespace penumbra {
 namespace {
 
-/// The cheapest row of a technique whose error against truth is defined and within the limit.
+/// The cheapest timed row of a technique whose error against truth is defined and within the limit.
 const Row* cheapest_within(double limit, const std::string& technique, const std::vector<const Row*>& rows) {
   const Row* best = nullptr;
   for (const Row* row : rows)
-    if (row->id.technique == technique && row->score.truth_error() && *row->score.truth_error() <= limit &&
-        (!best || row->timing.median_frame_ms() < best->timing.median_frame_ms()))
+    if (row->id.technique == technique && row->timing.timed() && row->score.truth_error() &&
+        *row->score.truth_error() <= limit && (!best || row->timing.median_frame_ms() < best->timing.median_frame_ms()))
       best = row;
   return best;
 }
@@ -26,7 +26,8 @@ std::string make_choice_table(const std::vector<Row>& rows) {
   for (const std::string& scene : scenes_of(rows)) {
     const std::vector<const Row*> good = good_rows(rows, scene);
     std::vector<std::string> techniques;
-    for (const Row* row : good) add_distinct(row->id.technique, techniques);
+    for (const Row* row : good)
+      if (row->timing.timed()) add_distinct(row->id.technique, techniques);
     if (techniques.size() < 2) continue;
     text += fmt::format("\n## {}: the cheapest row of each technique within an error\n\n", scene);
     if (std::none_of(good.begin(), good.end(), [](const Row* row) { return row->score.truth_error().has_value(); })) {

@@ -106,7 +106,7 @@ std::string make_published_table(const PublishedTable& table, const std::vector<
   for (std::size_t k = 0; k < table.keys().size() + 2 * table.devices().size() + 8; ++k) text += "---|";
   text += "\n";
   for (const Row& row : rows) {
-    const auto published = row.ok() ? table.lookup(row) : std::map<std::string, double>();
+    const auto published = row.ok() && row.timing.timed() ? table.lookup(row) : std::map<std::string, double>();
     if (published.empty()) continue;
     const double fps = 1e3 / row.timing.median_frame_ms();
     text += fmt::format("| {} | {} | {} | {} |", row.id.scene, row.id.technique, row.id.backend, row.id.threads);

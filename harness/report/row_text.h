@@ -15,7 +15,13 @@ std::string telling_parameters(const Row& row, const std::vector<const Row*>& ro
 /// How many spheres and what they were fitted for; empty if the variant does not look at them.
 std::string spheres_text(const RowIdentity& id);
 
-/// "**12.345** ±0.012": median and half the interquartile range, which one sample does not have.
+/// Empty where threads, samples, times and bytes are not known: that is not 0.
+std::string threads_text(const RowIdentity& id);
+std::string median_text(const std::vector<double>& samples);  ///< ms
+std::string prepare_text(const Timing& timing);
+std::string mebibytes_text(const Row& row);
+
+/// "**12.345** ±0.012": median and half the interquartile range, which one sample does not have; empty without samples.
 std::string milliseconds_text(const Timing& timing);
 
 /// A relative error in percent; "undefined" where it is 0 / 0.

@@ -26,11 +26,11 @@ std::string make_sequence_table(const std::vector<Row>& rows) {
     const SequenceErrors& s = *row.score.sequence;
     const double least = s.coverage.empty() ? 0.0 : *std::min_element(s.coverage.begin(), s.coverage.end());
     text += fmt::format(
-        "| {} | {} | {} | {} | {} | {} | {} | {} | {:.2f} | {:.3f} | {:.3f} | {:.3f} | {} "
+        "| {} | {} | {} | {} | {} | {} | {} | {} | {:.2f} | {:.3f} | {} | {} | {} "
         "|\n",
         row.id.scene, row.id.variant(), spheres_text(row.id), s.rel_rmse.size(), mean_or_tie(s.rel_rmse, s.floor()),
         percent_text(largest(s.rel_rmse)), mean_or_tie(s.flicker, s.flicker_floor()), percent_text(s.rel_noise),
-        100.0 * least, s.carry_ms, median(row.timing.update_ms), median(row.timing.shade_ms),
+        100.0 * least, s.carry_ms, median_text(row.timing.update_ms), median_text(row.timing.shade_ms),
         milliseconds_text(row.timing));
   }
   return text;

@@ -37,13 +37,18 @@ void append_rows(const std::vector<const Row*>& rows, const std::vector<const Ro
     const std::string backend =
         r.facts.instruction_set.empty() ? r.id.backend : r.id.backend + " " + r.facts.instruction_set;
     text += fmt::format(
-        "| {} | {} | {} | {} | {} | {} | {:.1f} | {:.3f} | {:.3f} | {} | {:.1f} | {} | {} | {} | {} | {} | "
+        "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | "
         "{}\n",
-        optimal[i] ? "P" : "", r.id.technique, backend, telling_parameters(r, scene_rows), r.id.threads,
-        spheres_text(r.id), r.timing.prepare_ms, median(r.timing.update_ms), median(r.timing.shade_ms),
-        milliseconds_text(r.timing), double(r.facts.bytes.total()) / 1048576.0, rung_or_tie(r, "truth"),
-        rung_or_tie(r, "cube"), rung_or_tie(r, "spheres"), geometry_text(r), rung_or_tie(r, "13x13"), truth_columns(r));
+        optimal[i] ? "P" : "", r.id.technique, backend, telling_parameters(r, scene_rows), threads_text(r.id),
+        spheres_text(r.id), prepare_text(r.timing), median_text(r.timing.update_ms), median_text(r.timing.shade_ms),
+        milliseconds_text(r.timing), mebibytes_text(r), rung_or_tie(r, "truth"), rung_or_tie(r, "cube"),
+        rung_or_tie(r, "spheres"), geometry_text(r), rung_or_tie(r, "13x13"), truth_columns(r));
   }
+}
+
+/// Rows without a time come last.
+double frame_ms(const Row& row) {
+  return row.timing.timed() ? row.timing.median_frame_ms() : std::numeric_limits<double>::infinity();
 }
 
 /// Orders rows of one scene as their relative errors do, where these are undefined too.
@@ -78,7 +83,7 @@ std::string make_table(const std::vector<Row>& rows) {
       text += fmt::format("\n## {}: by frame time\n\n", scene);
       if (std::none_of(good.begin(), good.end(), [](const Row* r) { return r->score.truth_error().has_value(); }))
         text += "The truth is black: relative errors are undefined, and no row is marked.\n\n";
-      append_rows(by([](const Row& r) { return r.timing.median_frame_ms(); }), good, text);
+      append_rows(by(frame_ms), good, text);
       text += fmt::format("\n## {}: by error against truth\n\n", scene);
       append_rows(by(truth_rmse), good, text);
     }

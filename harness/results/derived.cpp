@@ -18,7 +18,7 @@ bool nearer(const Row& a, const Row& b) {
 
 std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows) {
   std::vector<bool> optimal(rows.size());
-  const auto counts = [](const Row& row) { return row.ok() && row.score.truth_error(); };
+  const auto counts = [](const Row& row) { return row.ok() && row.timing.timed() && row.score.truth_error(); };
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& a = *rows[i];
     optimal[i] = counts(a) && std::none_of(rows.begin(), rows.end(), [&](const Row* b) {
