@@ -5,8 +5,10 @@
 #include <chrono>
 
 #include "harness/commands/commands.h"
+#include "harness/commands/frame_option.h"
 #include "harness/commands/save_image.h"
 #include "harness/measure/black_truth.h"
+#include "harness/measure/chosen_frame.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
 #include "techniques/registry.h"
@@ -17,6 +19,7 @@ namespace {
 struct RenderOptions {
   std::string scene, technique, backend = "simd", output;
   Parameters parameters;
+  std::optional<int> frame;  ///< absent: the one that `run` scores
 };
 
 void render(const RenderOptions& options) {
@@ -29,7 +32,8 @@ void render(const RenderOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   technique->prepare(scene);
   Animation animation(scene);
-  const Frame frame = animation.frame(0);
+  const int index = chosen_frame(animation, options.frame);
+  const Frame frame = animation.frame(index);
   technique->update(frame);
   const auto prepared = std::chrono::steady_clock::now();
   Image image{scene.receivers.width, scene.receivers.height, std::vector<vec3>(std::size_t(scene.receivers.size()))};
@@ -39,8 +43,9 @@ void render(const RenderOptions& options) {
   if (!light_arrives(frame.light, frame.receivers))
     spdlog::warn("{}", black_note(scene.name, frame.light, frame.receivers, false));
   using ms = std::chrono::duration<double, std::milli>;
-  fmt::print("{}: prepared in {:.1f} ms, shaded in {:.2f} ms (once, cold; `run` measures)\n", options.output,
-             ms(prepared - start).count(), ms(shaded - prepared).count());
+  const std::string which = frame_text(animation, index);
+  fmt::print("{}: {}{}prepared in {:.1f} ms, shaded in {:.2f} ms (once, cold; `run` measures)\n", options.output, which,
+             which.empty() ? "" : ", ", ms(prepared - start).count(), ms(shaded - prepared).count());
 }
 
 }  // namespace
@@ -53,6 +58,7 @@ void add_render(CLI::App& app, int&) {
   command->add_option("--technique", options.technique, "See: penumbra list")->required();
   command->add_option("--backend", options.backend, "scalar, simd or cuda")->default_val("simd");
   command->add_option("-p", parameters, "Parameter, name=value");
+  add_frame_option(*command, options.frame);
   command->add_option("-o", options.output, "Image: .exr (linear) or .png (exposed)")->required();
   command->callback([] {
     options.parameters = parse_parameters(parameters);
