@@ -13,5 +13,7 @@ void add_render(CLI::App& app, int& exit_code);
 void add_reference(CLI::App& app, int& exit_code);
 void add_fit(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
+void add_score(CLI::App& app, int& exit_code);
 
 }  // namespace penumbra

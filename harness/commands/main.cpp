@@ -20,6 +20,8 @@ int main(int argc, char** argv) {
   add_reference(app, exit_code);
   add_fit(app, exit_code);
   add_list(app, exit_code);
+  add_export(app, exit_code);
+  add_score(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

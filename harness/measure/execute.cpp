@@ -7,6 +7,7 @@
 
 #include "harness/measure/check.h"
 #include "harness/measure/interrupt.h"
+#include "harness/measure/run_external.h"
 #include "harness/measure/scene_images.h"
 #include "harness/measure/timing.h"
 
@@ -68,8 +69,10 @@ class SceneJobs {
   /// Is what was measured then what would be measured now?
   bool may_stand_for(const Row& old, const Row& now) const {
     const std::size_t samples = old.timing.frame_ms.size();
-    return old.ok() && old.facts.key == now.facts.key && samples >= std::size_t(plan_.repetitions) &&
-           old.timing.update_ms.size() == samples && old.timing.shade_ms.size() == samples;
+    const bool whole =
+        now.id.external() || (samples >= std::size_t(plan_.repetitions) && old.timing.update_ms.size() == samples &&
+                              old.timing.shade_ms.size() == samples);
+    return old.ok() && old.facts.key == now.facts.key && whole;
   }
 
   const Variant& variant(const Job& job) const { return plan_.suite->variants[job.variant]; }
@@ -118,11 +121,13 @@ class SceneJobs {
       ready_ = true;
     }
     const Variant& v = variant(job);
-    progress_.step(context_.scene().name + ": checking " + v.label());
-    Checked c = check(v, context_, *plan_.suite, registry_, images_.sheet_file(v));
+    progress_.step(fmt::format("{}: {} {}", context_.scene().name, v.external ? "running" : "checking", v.label()));
+    Checked c = v.external ? check_external(v, context_, *plan_.suite, exported_)
+                           : check(v, context_, *plan_.suite, registry_, images_.sheet_file(v));
     if (c.row.failed()) progress_.note(c.row.id.name() + ": " + c.row.status);
     if (!c.row.ok()) return finish(job.variant, c.row);
     images_.save(v, c.image);
+    if (v.external) return finish(job.variant, c.row);
     c.image = {};
     checked_.emplace_back(job.variant, std::move(c));
   }
@@ -158,6 +163,7 @@ class SceneJobs {
   Progress& progress_;
   SceneContext context_;
   SceneImages images_;
+  std::optional<ExportedScene> exported_;                 ///< for external techniques
   bool partial_ = false;                                  ///< was some row taken over?
   bool ready_ = false;                                    ///< are all references there?
   std::set<std::size_t> todo_;                            ///< variants that have no row yet

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "harness/measure/file_stems.h"
+#include "harness/results/metrics.h"
 #include "harness/results/pictures.h"
 
 namespace penumbra {
@@ -30,7 +31,10 @@ void SceneImages::save(const Variant& variant, const Image& image) {
   const std::string stem = stems_.at(variant.label());
   save_both(stem, image);
   const Image error = signed_error(image, context_.truth(), context_.exposure());
-  try_to_save([&] { save_png(file(stem) + ".error.png", error); });
+  try_to_save([&] {
+    save_exr(file(stem) + ".error.exr", difference(image, context_.truth()));
+    save_png(file(stem) + ".error.png", error);
+  });
   if (image.height == 1) return;  // vertices make no picture
   panels_.push_back(thumbnail(exposed(image, context_.exposure())));
   errors_.push_back(thumbnail(error));

@@ -13,7 +13,9 @@ class SceneImages {
   /// Where the contact sheet of a variant's frames belongs.
   std::string sheet_file(const Variant& variant) const;
   void save_truth();
-  /// The image and its signed error.
+  /// Where an image and its error lie: a path without `.exr` and the like.
+  std::string stem(const Variant& variant) const { return file(stems_.at(variant.label())); }
+  /// STEM.exr and .png, and its error: STEM.error.exr (image - truth) and .error.png (signed, in colours).
   void save(const Variant& variant, const Image& image);
   /// overview.png: truth and all variants, their signed errors below.
   void save_overview() const;
