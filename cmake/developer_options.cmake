@@ -20,7 +20,7 @@ target_compile_options(penumbra_options INTERFACE
 
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # False positives of g++ 12 on std::string concatenation (gcc bug 105651).
-  target_compile_options(penumbra_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+  target_compile_options(penumbra_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict -Wno-stringop-overflow -Wno-array-bounds>)
 endif()
 
 # Kernels are compiled once per instruction set. SSSE3 and SSE4 are for processors from before 2013, which the baseline

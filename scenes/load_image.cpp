@@ -140,6 +140,7 @@ void make_linear(std::vector<vec3>& pixels, const OIIO::ImageSpec& spec, const s
   std::string space = spec.get_string_attribute("oiio:ColorSpace", integers ? "sRGB" : "Linear");
   std::transform(space.begin(), space.end(), space.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   std::string curve = "linear";
+  if (space == "rec709" && !integers) space = "linear";  // a portable float map
   if (space == "srgb" || space == "rec709") {  // PNM's: written for sRGB screens in spite of its specification
     for (vec3& p : pixels) p = {srgb_decode(p.x), srgb_decode(p.y), srgb_decode(p.z)};
     curve = "sRGB, made linear";

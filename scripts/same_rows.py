@@ -35,6 +35,8 @@ def main():
     different = [n for n in bases[0].keys() & news[0].keys() if errors_of(bases[0][n]) != errors_of(news[0][n])]
     ratios = []
     for name in sorted(bases[0].keys() & news[0].keys()):
+        if not all(rows[name]["samples"]["frame_ms"] for rows in bases + news):
+            continue  # not timed
         before = statistics.median(s for rows in bases for s in rows[name]["samples"]["frame_ms"])
         after = statistics.median(s for rows in news for s in rows[name]["samples"]["frame_ms"])
         ratios.append(after / before)

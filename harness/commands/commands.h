@@ -17,5 +17,7 @@ void add_sheet(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
 void add_init(CLI::App& app, int& exit_code);
 void add_help(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
+void add_score(CLI::App& app, int& exit_code);
 
 }  // namespace penumbra

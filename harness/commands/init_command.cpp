@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "harness/commands/commands.h"
-#include "harness/commands/screen.h"
 #include "harness/commands/templates.h"
+#include "harness/report/screen.h"
 #include "harness/results/results_file.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"

@@ -43,6 +43,8 @@ int main(int argc, char** argv) {
   add_list(app, exit_code);
   add_init(app, exit_code);
   add_help(app, exit_code);
+  add_export(app, exit_code);
+  add_score(app, exit_code);
   try {
     if (argc == 1) throw CLI::CallForHelp();
     expect_command(app, argv[1]);

@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/commands/commands.h"
+#include "harness/commands/frame_option.h"
 #include "harness/commands/input_kind.h"
 #include "harness/commands/save_image.h"
 #include "harness/measure/black_truth.h"
+#include "harness/measure/chosen_frame.h"
 #include "harness/measure/progress.h"
 #include "harness/measure/reference.h"
 #include "harness/results/metrics.h"
@@ -23,6 +25,7 @@ struct ReferenceOptions {
   std::string scene, rung = "truth", output;
   double noise = 0.002;
   int resolution = 32;
+  std::optional<int> frame;  ///< absent: the one that `run` scores
   bool fresh = false, json = false;
 };
 
@@ -66,7 +69,8 @@ void reference(const ReferenceOptions& options) {
   settings.truth_noise = options.noise;
   settings.resolution = options.resolution;
   Animation animation(scene);
-  const Frame frame = animation.frame(0);
+  const int index = chosen_frame(animation, options.frame);
+  const Frame frame = animation.frame(index);
   if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
   progress.step(fmt::format("{}: {}", scene.name, to_string(rung)));
   const auto tell = [&](double share) { progress.share(share); };
@@ -75,8 +79,11 @@ void reference(const ReferenceOptions& options) {
   progress.finish();
   const auto valid = valid_receivers(frame.receivers);
   const double black = black_level(frame.light, frame.receivers);
-  fmt::print("{}\n", options.json ? reference_json(scene.name, r, valid, black).dump(1)
-                                  : reference_line(scene.name, r, valid, black));
+  const std::string which = frame_text(animation, index);
+  const std::string title = which.empty() ? scene.name : scene.name + " " + which;
+  nlohmann::json figures = reference_json(scene.name, r, valid, black);
+  figures["frame"] = index;
+  fmt::print("{}\n", options.json ? figures.dump(1) : reference_line(title, r, valid, black));
   if (!(rms(r.mean, valid) > black))
     warn("{}", black_note(scene.name, frame.light, frame.receivers, rms(r.unshadowed, valid) > black));
   if (!options.output.empty()) save_image(options.output, r.mean, frame);
@@ -92,6 +99,7 @@ void add_reference(CLI::App& app, int&) {
   command->add_option("--noise", options.noise, "truth: standard error relative to RMS")->check(CLI::Range(1e-5, 1.0));
   command->add_option("--resolution", options.resolution, "cube, spheres: texels along a face edge")
       ->check(CLI::IsMember({16, 32, 64}));
+  add_frame_option(*command, options.frame);
   command->add_flag("--fresh", options.fresh, "Do not look into the cache");
   command->add_flag("--json", options.json, "Print the figures as JSON");
   command->add_option("-o", options.output, "Image: .exr or .png");

@@ -4,9 +4,11 @@
 #include <chrono>
 
 #include "harness/commands/commands.h"
+#include "harness/commands/frame_option.h"
 #include "harness/commands/input_kind.h"
 #include "harness/commands/save_image.h"
 #include "harness/measure/black_truth.h"
+#include "harness/measure/chosen_frame.h"
 #include "harness/measure/progress.h"
 #include "scenes/error.h"
 #include "scenes/log.h"
@@ -20,6 +22,7 @@ struct RenderOptions {
   std::string scene, technique, backend, output;
   Parameters parameters;
   std::optional<int> spheres;
+  std::optional<int> frame;  ///< absent: the one that `run` scores
 };
 
 void render(const RenderOptions& options) {
@@ -37,7 +40,8 @@ void render(const RenderOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   technique->prepare(scene);
   Animation animation(scene);
-  const Frame frame = animation.frame(0);
+  const int index = chosen_frame(animation, options.frame);
+  const Frame frame = animation.frame(index);
   technique->update(frame);
   progress.step("shading with " + entry.title());
   const auto prepared = std::chrono::steady_clock::now();
@@ -49,8 +53,9 @@ void render(const RenderOptions& options) {
   if (!light_arrives(frame.light, frame.receivers))
     warn("{}", black_note(scene.name, frame.light, frame.receivers, false));
   using ms = std::chrono::duration<double, std::milli>;
-  fmt::print("{}: prepared in {:.1f} ms, shaded in {:.2f} ms (once, cold; `run` measures)\n", options.output,
-             ms(prepared - start).count(), ms(shaded - prepared).count());
+  const std::string which = frame_text(animation, index);
+  fmt::print("{}: {}{}prepared in {:.1f} ms, shaded in {:.2f} ms (once, cold; `run` measures)\n", options.output, which,
+             which.empty() ? "" : ", ", ms(prepared - start).count(), ms(shaded - prepared).count());
 }
 
 }  // namespace
@@ -65,6 +70,7 @@ void add_render(CLI::App& app, int&) {
   command->add_option("-p", parameters, "Parameter, name=value");
   command->add_option("--spheres", options.spheres, "Fit so many in place of the scene's own")
       ->check(CLI::Range(1, 4096));
+  add_frame_option(*command, options.frame);
   command->add_option("-o", options.output, "Image: .exr (linear) or .png (exposed)")->required();
   command->callback([] {
     options.parameters = parse_parameters(parameters);

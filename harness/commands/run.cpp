@@ -38,7 +38,7 @@ class Tables {
   std::string of(const std::vector<Row>& rows) const {
     return make_table(rows) + make_choice_table(rows) +
            (suite_.baseline ? make_baseline_table(suite_.baseline->entry->name, rows) : "") + make_stages_table(rows) +
-           make_sequence_table(rows) + make_steps_table(rows) + make_counters_table(rows) +
+           make_sequence_table(rows) + make_steps_table(rows) + make_counters_table(rows) + make_external_table(rows) +
            (published_ ? make_published_table(*published_, rows) : "") +
            (suite_.published_times.empty() ? "" : make_published_times_table(suite_, rows));
   }
@@ -87,7 +87,8 @@ std::set<std::string> all_of(const Suite& suite) {
   return names;
 }
 
-/// Rows of an earlier run of the suite that may stand under today's context, which keeps the mark of a busy machine. Of
+/// Rows of an earlier run of the suite, and of images that were scored beside it, that may stand under today's context,
+/// which keeps the mark of a busy machine. Of
 /// scenes in `keys`, only those whose truth is still the same. Says why if there are none.
 std::vector<Row> comparable_rows(const std::string& directory, const Suite& suite,
                                  const std::map<std::string, std::string>& keys, nlohmann::json& context) {
@@ -98,8 +99,9 @@ std::vector<Row> comparable_rows(const std::string& directory, const Suite& suit
     const std::set<std::string> known = all_of(suite);
     std::erase_if(earlier.rows, [&](const Row& row) {
       const auto at = keys.find(row.id.scene);
-      return !row.ok() || !known.contains(row.id.scene + "/" + row.id.variant()) ||
-             (at != keys.end() && !row.facts.scene_key.starts_with(at->second));
+      const bool wanted =
+          (row.id.external() && row.timing.command_ms < 0.0) || known.contains(row.id.scene + "/" + row.id.variant());
+      return !row.ok() || !wanted || (at != keys.end() && !row.facts.scene_key.starts_with(at->second));
     });
     if (earlier.context.value("busy", false)) context["busy"] = true;
     return earlier.rows;

@@ -7,6 +7,7 @@
 
 #include "harness/measure/check.h"
 #include "harness/measure/interrupt.h"
+#include "harness/measure/run_external.h"
 #include "harness/measure/scene_images.h"
 #include "harness/measure/steps_left.h"
 #include "harness/measure/timing.h"
@@ -74,8 +75,10 @@ class SceneJobs {
   /// Is what was measured then what would be measured now?
   bool may_stand_for(const Row& old, const Row& now) const {
     const std::size_t samples = old.timing.frame_ms.size();
-    return old.ok() && old.facts.key == now.facts.key && samples >= std::size_t(plan_.repetitions) &&
-           old.timing.update_ms.size() == samples && old.timing.shade_ms.size() == samples;
+    const bool whole =
+        now.id.external() || (samples >= std::size_t(plan_.repetitions) && old.timing.update_ms.size() == samples &&
+                              old.timing.shade_ms.size() == samples);
+    return old.ok() && old.facts.key == now.facts.key && whole;
   }
 
   const Variant& variant(const Job& job) const { return plan_.suite->variants[job.variant]; }
@@ -140,12 +143,14 @@ class SceneJobs {
       ready_ = true;
     }
     const Variant& v = variant(job);
-    begin(job, "checking " + v.label());
-    Checked c = check(v, context_, *plan_.suite, registry_, images_.sheet_file(v));
+    begin(job, (v.external ? "running " : "checking ") + v.label());
+    Checked c = v.external ? check_external(v, context_, *plan_.suite, exported_)
+                           : check(v, context_, *plan_.suite, registry_, images_.sheet_file(v));
     if (c.row.failed()) progress_.note(c.row.id.name() + ": " + c.row.status);
     if (!c.row.ok()) return finish(job.variant, c.row);
     images_.save(v, c.image);
     c.row.facts.image = images_.stem(v);
+    if (v.external) return finish(job.variant, c.row);
     c.image = {};
     checked_.emplace_back(job.variant, std::move(c));
   }
@@ -185,6 +190,7 @@ class SceneJobs {
   const StepCounts later_;
   SceneContext context_;
   SceneImages images_;
+  std::optional<ExportedScene> exported_;                 ///< for external techniques
   bool ready_ = false;                                    ///< are all references there?
   std::set<std::size_t> todo_;                            ///< variants that have no row yet
   std::vector<std::pair<std::size_t, Checked>> checked_;  ///< with their variants

@@ -1,5 +1,7 @@
 #include "harness/measure/file_stems.h"
 
+#include <fmt/format.h>
+
 #include <set>
 
 #include "scenes/cache.h"
@@ -14,7 +16,7 @@ constexpr std::size_t longest_stem = 255 - 9 - 10;
 std::string with_digest(const std::string& label) {
   ContentHash hash;
   hash.add(std::vector<char>(label.begin(), label.end()));
-  const std::string tail = "-" + hash.digest().substr(0, 12);
+  const std::string tail = fmt::format("-{:.12}", hash.digest());
   return file_name(label).substr(0, longest_stem - tail.size()) + tail;
 }
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "harness/measure/black_truth.h"
+#include "harness/measure/chosen_frame.h"
 #include "harness/measure/parity.h"
 
 namespace penumbra {
@@ -40,7 +41,7 @@ std::vector<vec3> shaded(const Entry& entry, const Parameters& parameters, const
   const auto technique = entry.make(parameters);
   technique->prepare(scene);
   Animation animation(scene);
-  const Frame frame = animation.frame(animation.frames() / 3);
+  const Frame frame = animation.frame(scored_frame(animation));
   // Moving receivers are made anew in full; at rest they stay thin.
   if (!frame.changed.receivers) technique->update(frame);
   std::vector<vec3> image(std::size_t(scene.receivers.size()));

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "harness/measure/black_truth.h"
+#include "harness/measure/chosen_frame.h"
 #include "harness/measure/steps.h"
 #include "harness/results/statistics.h"
 #include "scenes/unsupported.h"
@@ -13,10 +14,6 @@
 namespace penumbra {
 
 namespace {
-
-Frame scored_frame(Animation& animation) {
-  return animation.frame(animation.frames() / 3);
-}
 
 ReferenceSettings settings_of(const Suite& suite) {
   ReferenceSettings settings;
@@ -28,14 +25,14 @@ ReferenceSettings settings_of(const Suite& suite) {
 
 std::string truth_key(const Scene& scene, const Suite& suite) {
   Animation animation(scene);
-  return reference_key(scored_frame(animation), Rung::truth, settings_of(suite));
+  return reference_key(animation.frame(scored_frame(animation)), Rung::truth, settings_of(suite));
 }
 
-SceneContext::SceneContext(Scene scene, const Suite& suite)
+SceneContext::SceneContext(Scene scene, const Suite& suite, std::optional<int> frame)
     : scene_(std::move(scene)),
       settings_(settings_of(suite)),
       animation_(scene_),
-      frame_(scored_frame(animation_)),
+      frame_(animation_.frame(chosen_frame(animation_, frame))),
       valid_(valid_receivers(frame_.receivers)),
       light_(light_scale(frame_.light, frame_.receivers)),
       black_(black_level(frame_.light, frame_.receivers)) {

@@ -12,12 +12,14 @@ std::string truth_key(const Scene& scene, const Suite& suite);
 
 class SceneContext {
  public:
-  SceneContext(Scene scene, const Suite& suite);
+  /// Of the scored frame, or of another. Throws Error if the scene has no such frame.
+  SceneContext(Scene scene, const Suite& suite, std::optional<int> frame = {});
   SceneContext(const SceneContext&) = delete;
   SceneContext& operator=(const SceneContext&) = delete;
 
   const Scene& scene() const { return scene_; }
-  const Frame& frame() const { return frame_; }  ///< the scored one: a third through the motion
+  const Frame& frame() const { return frame_; }  ///< what images are of
+  const Animation& animation() const { return animation_; }
   const std::string& key() const { return key_; }
   /// "scene-64-spheres-shadow": its images lie there.
   std::string folder() const;

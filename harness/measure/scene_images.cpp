@@ -1,6 +1,7 @@
 #include "harness/measure/scene_images.h"
 
 #include "harness/measure/file_stems.h"
+#include "harness/results/metrics.h"
 #include "harness/results/pictures.h"
 
 namespace penumbra {
@@ -26,7 +27,10 @@ void SceneImages::save_truth() {
 void SceneImages::save(const Variant& variant, const Image& image) {
   save_both(stem(variant), image);
   const Image error = signed_error(image, context_.truth(), context_.exposure());
-  try_to_save([&] { save_png(results_ + "/" + stem(variant) + ".error.png", error); });
+  try_to_save([&] {
+    save_exr(results_ + "/" + stem(variant) + ".error.exr", difference(image, context_.truth()));
+    save_png(results_ + "/" + stem(variant) + ".error.png", error);
+  });
 }
 
 }  // namespace penumbra

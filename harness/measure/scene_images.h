@@ -19,7 +19,7 @@ class SceneImages {
   /// Where the contact sheet of a variant's frames belongs.
   std::string sheet_file(const Variant& variant) const;
   void save_truth();
-  /// The image and its signed error.
+  /// STEM.exr and .png, and its error: STEM.error.exr (image - truth) and .error.png (signed, in colours).
   void save(const Variant& variant, const Image& image);
 
  private:

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "scenes/assets.h"
+#include "scenes/names.h"
 #include "scenes/toml_reader.h"
 
 namespace penumbra {
@@ -16,7 +17,12 @@ std::string Variant::label() const {
   for (const Parameter& p : entry->parameters)
     if (const ParameterValue& value = parameters.all().at(p.name); value != p.fallback)
       text += "/" + p.name + ":" + to_string(value);
-  return text + "/threads:" + std::to_string(threads);
+  return threads == 0 ? text : text + "/threads:" + std::to_string(threads);
+}
+
+Variant variant_of(std::shared_ptr<const External> external) {
+  const Entry* entry = &external->entry;
+  return {entry, {}, 0, std::move(external)};
 }
 
 namespace {
@@ -138,6 +144,14 @@ std::vector<int> counts_for(const std::string& backend, const std::vector<int>& 
   return backend == "cuda" ? std::vector<int>{threads.back()} : threads;
 }
 
+/// Throws Error if the suite has it already; `table`: what lists it.
+void add_variant(Variant variant, const char* table, Suite& suite) {
+  const auto same = [&, label = variant.label()](const Variant& other) { return other.label() == label; };
+  if (std::any_of(suite.variants.begin(), suite.variants.end(), same))
+    throw Error("{} lists {} a second time; allowed is every combination once", table, variant.label());
+  suite.variants.push_back(std::move(variant));
+}
+
 void add_variants(TomlReader& at, const Registry& registry, const std::vector<int>& threads, Suite& suite) {
   const std::string name = at.required("name", at.text("name"), "a technique's name");
   std::vector<std::string> backends = texts_of(at, "backend");
@@ -151,16 +165,33 @@ void add_variants(TomlReader& at, const Registry& registry, const std::vector<in
         variant.parameters = given.resolve(variant.entry->parameters, variant.entry->title());
         for (const int count : counts_for(backend, own.empty() ? threads : own)) {
           variant.threads = count;
-          const auto same = [&, label = variant.label()](const Variant& other) { return other.label() == label; };
-          if (std::any_of(suite.variants.begin(), suite.variants.end(), same))
-            throw Error("[[technique]] lists {} a second time; allowed is every combination once", variant.label());
-          suite.variants.push_back(variant);
+          add_variant(variant, "[[technique]]", suite);
         }
       }
   } catch (const Error& e) {
     throw Error("{}: {}", at.where(table ? "parameters" : "name"), e.what());
   }
   at.finish();
+}
+
+/// `[[external]]`: its command runs in the suite's folder, as the suite's paths start there.
+void add_external(TomlReader& at, Suite& suite) {
+  const std::string name = at.required("name", at.text("name"), "a name for its rows");
+  if (const std::string fault = name_fault(name); !fault.empty()) at.fail("name", fault);
+  const std::string command =
+      at.required("command", at.text("command"), "what makes the image, with {scene} and {out}");
+  if (command.find("{out}") == std::string::npos)
+    at.fail("command", "must say where {out}, the image to write, belongs, as in \"./mine {scene} {out}\"");
+  const double timeout_s = at.number("timeout_s", 0.1, 1e6).value_or(600.0);
+  const bool reads_spheres = at.boolean("reads_spheres").value_or(true);
+  at.finish();
+  const std::filesystem::path folder = std::filesystem::absolute(at.file()).parent_path();
+  try {
+    add_variant(variant_of(make_external(name, command, folder.string(), timeout_s, reads_spheres)), "[[external]]",
+                suite);
+  } catch (const Error& e) {
+    throw Error("{}: {}", at.where("name"), e.what());
+  }
 }
 
 }  // namespace
@@ -189,7 +220,8 @@ Suite load_suite(const std::string& name_or_path, const Registry& registry, int 
   if (threads > 0) counts = {threads};
   if (counts.empty()) counts = {std::max(1, int(std::thread::hardware_concurrency()))};
   for (TomlReader& technique : file.tables("technique")) add_variants(technique, registry, counts, suite);
-  if (suite.variants.empty()) throw Error("{}: no [[technique]] is listed", file.where());
+  for (TomlReader& external : file.tables("external")) add_external(external, suite);
+  if (suite.variants.empty()) throw Error("{}: no [[technique]] is listed, and no [[external]]", file.where());
   file.finish();
   return suite;
 }

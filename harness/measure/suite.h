@@ -1,17 +1,20 @@
 // Suites: which techniques on which scenes. The format is described in docs/suites.md.
 #pragma once
 
+#include "harness/measure/external.h"
 #include "scenes/scene_file.h"
 #include "techniques/registry.h"
 
 namespace penumbra {
 
-/// A technique, a backend and parameters: what a row measures.
+/// A technique, a backend and parameters: what a row measures. Or an external technique.
 struct Variant {
   const Entry* entry = nullptr;
-  Parameters parameters;  ///< resolved
-  int threads = 1;
-  /// "name/backend/param:value/.../threads:n" without parameters that have their defaults: for file names and progress.
+  Parameters parameters;                          ///< resolved
+  int threads = 1;                                ///< 0: not known, of an external one
+  std::shared_ptr<const External> external = {};  ///< what runs it, if it is not this program
+  /// "name/backend/param:value/.../threads:n" without threads that are not known and without parameters that have their
+  /// defaults: for file names and progress.
   std::string label() const;
 };
 
@@ -37,6 +40,8 @@ struct Suite {
   std::vector<PublishedTime> published_times;  ///< lines of `published` if it holds times, not frame rates
   std::optional<Variant> baseline;             ///< whose image is one more reference, named after its technique
 };
+
+Variant variant_of(std::shared_ptr<const External> external);
 
 /// Loads a shipped suite by name or a file by path, and expands every axis. `threads` replaces "all" (0: all cores).
 /// `scenes`, names or paths, replace the suite's own. Throws Error naming file, line, key and what is allowed. The

@@ -32,7 +32,8 @@ std::string make_choice_table(const std::vector<Row>& rows) {
   for (const std::string& scene : scenes_of(rows)) {
     const std::vector<const Row*> good = good_rows(rows, scene);
     std::vector<std::string> techniques;
-    for (const Row* row : good) add_distinct(row->id.technique, techniques);
+    for (const Row* row : good)
+      if (row->timing.timed()) add_distinct(row->id.technique, techniques);
     if (techniques.size() < 2) continue;
     text += fmt::format("\n## {}: the cheapest row of each technique within an error\n\n", scene);
     if (std::none_of(good.begin(), good.end(), [](const Row* row) { return row->score.truth_error().has_value(); })) {

@@ -107,7 +107,7 @@ std::string make_published_table(const PublishedTable& table, const std::vector<
   columns.insert(columns.end(), {"spheres %", "cube %", "truth %"});
   MarkdownTable beside(columns);
   for (const Row& row : rows) {
-    const auto published = row.ok() ? table.lookup(row) : std::map<std::string, double>();
+    const auto published = row.ok() && row.timing.timed() ? table.lookup(row) : std::map<std::string, double>();
     if (published.empty()) continue;
     const double fps = 1e3 / row.timing.median_frame_ms();
     std::vector<std::string> cells = {row.id.scene, row.id.technique, row.id.backend, std::to_string(row.id.threads)};

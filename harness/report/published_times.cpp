@@ -68,7 +68,7 @@ std::string make_published_times_table(const Suite& suite, const std::vector<Row
   std::map<Key, First> firsts;
   for (const PublishedTime& line : suite.published_times)
     for (const Row& row : rows) {
-      if (!row.ok() || !pattern_of(line, suite).is_in(row.id.name())) continue;
+      if (!row.ok() || !row.timing.timed() || !pattern_of(line, suite).is_in(row.id.name())) continue;
       const double published = published_ms(values, line, suite), measured = measured_ms(row, line);
       const std::string group = fmt::format("{} {}, {} threads", row.id.scene, row.id.backend, row.id.threads);
       const First& first =

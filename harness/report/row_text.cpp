@@ -58,7 +58,24 @@ std::string spheres_text(const RowIdentity& id) {
   return std::to_string(id.spheres) + (id.objective.empty() ? "" : " " + id.objective);
 }
 
+std::string threads_text(const RowIdentity& id) {
+  return id.threads == 0 ? "" : std::to_string(id.threads);
+}
+
+std::string median_text(const std::vector<double>& samples) {
+  return samples.empty() ? "" : fmt::format("{:.3f}", median(samples));
+}
+
+std::string prepare_text(const Timing& timing) {
+  return timing.prepare_ms < 0.0 ? "" : fmt::format("{:.1f}", timing.prepare_ms);
+}
+
+std::string mebibytes_text(const Row& row) {
+  return row.id.external() ? "" : fmt::format("{:.1f}", double(row.facts.bytes.total()) / 1048576.0);
+}
+
 std::string milliseconds_text(const Timing& timing) {
+  if (!timing.timed()) return "";
   if (timing.frame_ms.size() < 2) return fmt::format("**{:.3f}**", timing.median_frame_ms());
   return fmt::format("**{:.3f}** ±{:.2g}", timing.median_frame_ms(), timing.frame_spread_ms());
 }
@@ -128,8 +145,7 @@ std::vector<std::string> variant_columns() {
 }
 
 std::vector<std::string> variant_cells(const Row& row, const std::vector<const Row*>& rows) {
-  return {row.id.technique, row.id.backend, telling_parameters(row, rows), std::to_string(row.id.threads),
-          spheres_text(row.id)};
+  return {row.id.technique, row.id.backend, telling_parameters(row, rows), threads_text(row.id), spheres_text(row.id)};
 }
 
 }  // namespace penumbra

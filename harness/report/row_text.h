@@ -21,7 +21,13 @@ std::string variant_label(const Row& row, const std::vector<const Row*>& rows);
 /// The same, and the spheres where they differ: "pixel-basis spheres=64 cover".
 std::string short_label(const Row& row, const std::vector<const Row*>& rows);
 
-/// "**12.345** ±0.012": median and half the interquartile range, which one sample does not have.
+/// Empty where threads, samples, times and bytes are not known: that is not 0.
+std::string threads_text(const RowIdentity& id);
+std::string median_text(const std::vector<double>& samples);  ///< ms
+std::string prepare_text(const Timing& timing);
+std::string mebibytes_text(const Row& row);
+
+/// "**12.345** ±0.012": median and half the interquartile range, which one sample does not have; empty without samples.
 std::string milliseconds_text(const Timing& timing);
 
 /// A relative error in percent; "undefined" where it is 0 / 0.

@@ -24,8 +24,8 @@ std::string make_sequence_table(const std::vector<Row>& rows) {
     table.add({row.id.scene, variant_label(row, good_rows(rows, row.id.scene)), spheres_text(row.id),
                std::to_string(s.rel_rmse.size()), mean_or_tie(s.rel_rmse, s.floor()), percent_text(largest(s.rel_rmse)),
                mean_or_tie(s.flicker, s.flicker_floor()), percent_text(s.rel_noise), covered,
-               fmt::format("{:.3f}", s.carry_ms), fmt::format("{:.3f}", median(row.timing.update_ms)),
-               fmt::format("{:.3f}", median(row.timing.shade_ms)), milliseconds_text(row.timing)});
+               fmt::format("{:.3f}", s.carry_ms), median_text(row.timing.update_ms), median_text(row.timing.shade_ms),
+               milliseconds_text(row.timing)});
   }
   if (table.empty()) return "";
   return "\n## Over all frames\n\nRelative RMSE in percent against each frame's truth, over the frames whose truth is "

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "harness/report/markdown_table.h"
@@ -40,15 +41,18 @@ std::string rank_by_error(const Row& row, const std::vector<const Row*>& rows) {
   return std::to_string(1 + std::count_if(rows.begin(), rows.end(), is_nearer));
 }
 
+/// Rows without a time come last.
+double frame_ms(const Row& row) {
+  return row.timing.timed() ? row.timing.median_frame_ms() : std::numeric_limits<double>::infinity();
+}
+
 /// In order of frame time.
 std::string table_of(std::vector<const Row*> rows) {
   MarkdownTable table({"",           "technique", "backend",   "parameters", "threads", "spheres",
                        "prepare ms", "update ms", "shade ms",  "frame ms",   "MiB",     "truth %",
                        "rank",       "cube %",    "spheres %", "geometry %", "13x13 %", "signed",
                        "negative",   "PSNR",      "SSIM",      "FLIP"});
-  std::stable_sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) {
-    return a->timing.median_frame_ms() < b->timing.median_frame_ms();
-  });
+  std::stable_sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) { return frame_ms(*a) < frame_ms(*b); });
   const std::vector<bool> optimal = pareto_optimal(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& r = *rows[i];
@@ -56,11 +60,9 @@ std::string table_of(std::vector<const Row*> rows) {
     for (const std::string& cell : variant_cells(r, rows)) cells.push_back(cell);
     if (!r.facts.instruction_set.empty()) cells[2] += " " + r.facts.instruction_set;
     cells.insert(cells.end(),
-                 {fmt::format("{:.1f}", r.timing.prepare_ms), fmt::format("{:.3f}", median(r.timing.update_ms)),
-                  fmt::format("{:.3f}", median(r.timing.shade_ms)), milliseconds_text(r.timing),
-                  fmt::format("{:.1f}", double(r.facts.bytes.total()) / 1048576.0), rung_or_tie(r, "truth"),
-                  rank_by_error(r, rows), rung_or_tie(r, "cube"), rung_or_tie(r, "spheres"), geometry_text(r),
-                  rung_or_tie(r, "13x13")});
+                 {prepare_text(r.timing), median_text(r.timing.update_ms), median_text(r.timing.shade_ms),
+                  milliseconds_text(r.timing), mebibytes_text(r), rung_or_tie(r, "truth"), rank_by_error(r, rows),
+                  rung_or_tie(r, "cube"), rung_or_tie(r, "spheres"), geometry_text(r), rung_or_tie(r, "13x13")});
     for (const std::string& cell : truth_cells(r)) cells.push_back(cell);
     table.add(cells);
   }

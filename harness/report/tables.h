@@ -32,6 +32,9 @@ std::string make_sequence_table(const std::vector<Row>& rows);
 /// What each approximation adds.
 std::string make_steps_table(const std::vector<Row>& rows);
 
+/// What the commands of external techniques took, start and loading included.
+std::string make_external_table(const std::vector<Row>& rows);
+
 /// Rows whose counters are not zero.
 std::string make_counters_table(const std::vector<Row>& rows);
 

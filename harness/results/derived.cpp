@@ -19,7 +19,7 @@ bool nearer(const Row& a, const Row& b) {
 const Row* best_within(double limit, const std::vector<const Row*>& rows) {
   std::vector<const Row*> within;
   for (const Row* row : rows)
-    if (row->score.truth_error() && !row->timing.frame_ms.empty() &&
+    if (row->score.truth_error() && row->timing.timed() &&
         (*row->score.truth_error() <= limit || row->score.errors.at("truth").tie()))
       within.push_back(row);
   const auto fastest = std::min_element(within.begin(), within.end(), [](const Row* a, const Row* b) {
@@ -34,7 +34,7 @@ const Row* best_within(double limit, const std::vector<const Row*>& rows) {
 
 std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows) {
   std::vector<bool> optimal(rows.size());
-  const auto counts = [](const Row& row) { return row.ok() && row.score.truth_error(); };
+  const auto counts = [](const Row& row) { return row.ok() && row.timing.timed() && row.score.truth_error(); };
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& a = *rows[i];
     optimal[i] = counts(a) && std::none_of(rows.begin(), rows.end(), [&](const Row* b) {

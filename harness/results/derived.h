@@ -9,7 +9,7 @@
 namespace penumbra {
 
 /// Is `a` faster than `b` by more than the noise of both? Half the interquartile range of either counts as its noise;
-/// within the sum of the two, times are ties.
+/// within the sum of the two, times are ties. False where one of them has not been timed.
 bool faster(const Row& a, const Row& b);
 
 /// Is `a` nearer to the truth than `b`? Errors that are ties with an exact image (RungErrors::tie) are ties with each
@@ -21,7 +21,7 @@ bool nearer(const Row& a, const Row& b);
 const Row* best_within(double limit, const std::vector<const Row*>& rows);
 
 /// Rows of one scene that no other row beats: one that is faster and not farther from the truth, or nearer and not
-/// slower. A row whose error is undefined neither is optimal nor beats another.
+/// slower. A row whose error is undefined, or that has no time, neither is optimal nor beats another.
 std::vector<bool> pareto_optimal(const std::vector<const Row*>& rows);
 
 }  // namespace penumbra

@@ -12,7 +12,7 @@ namespace penumbra {
 std::string RowIdentity::variant() const {
   std::string text = technique + "/" + backend;
   for (const auto& [key, value] : parameters.all()) text += "/" + key + ":" + to_string(value);
-  return text + "/threads:" + std::to_string(threads);
+  return threads == 0 ? text : text + "/threads:" + std::to_string(threads);
 }
 
 std::string RowIdentity::name() const {
@@ -22,7 +22,7 @@ std::string RowIdentity::name() const {
 }
 
 double Timing::median_frame_ms() const {
-  return median(frame_ms);
+  return timed() ? median(frame_ms) : std::numeric_limits<double>::quiet_NaN();
 }
 
 double Timing::frame_spread_ms() const {

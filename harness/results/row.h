@@ -11,6 +11,9 @@
 
 namespace penumbra {
 
+/// Backend of what ran outside of this program: all that is known of it is its image, and perhaps its time.
+inline constexpr const char* external_backend = "external";
+
 /// What was measured.
 struct RowIdentity {
   std::string scene;
@@ -19,9 +22,10 @@ struct RowIdentity {
   bool reads_spheres = true;  ///< does the variant look at the spheres? If not, their number says nothing about the row
   std::string technique, backend;
   Parameters parameters, defaults;  ///< all of them, and what they are if nobody asks for anything else
-  int threads = 1;
+  int threads = 1;                  ///< 0: not known
 
-  std::string variant() const;  ///< technique, backend, parameters, threads
+  bool external() const { return backend == external_backend; }
+  std::string variant() const;  ///< technique, backend, parameters, and threads if they are known
   std::string name() const;     ///< unique within a run
 };
 
@@ -32,13 +36,16 @@ struct StageSamples {
 };
 
 struct Timing {
-  double prepare_ms = 0.0;
+  double prepare_ms = -1.0;                           ///< -1: not known
   long iterations = 0;                                ///< frames per repetition
   std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
   std::vector<StageSamples> stages;                   ///< of update and shade, in order of running
   double view_ms = -1.0;  ///< camera rays that found the receivers, not part of the frame; -1: no camera
+  /// Wall time of an external technique's command, with its start and all that it loads: no frame's time. -1: none.
+  double command_ms = -1.0;
 
-  double median_frame_ms() const;
+  bool timed() const { return !frame_ms.empty(); }
+  double median_frame_ms() const;  ///< NaN if no frame was timed
   double frame_spread_ms() const;  ///< half the interquartile range of the repetitions
   /// Sum of the medians of named stages; NaN if one of them is missing.
   double stages_ms(const std::vector<std::string>& names) const;

@@ -19,6 +19,20 @@ std::optional<double> number_from(const json& in) {
   return in.is_null() ? std::nullopt : std::optional(in.get<double>());
 }
 
+/// Times that are not known are negative.
+json milliseconds(double ms) {
+  return ms < 0.0 ? json(nullptr) : json(ms);
+}
+
+double milliseconds_from(const json& in) {
+  return in.is_null() ? -1.0 : in.get<double>();
+}
+
+/// null of no samples.
+json median_json(const std::vector<double>& samples) {
+  return samples.empty() ? json(nullptr) : json(median(samples));
+}
+
 json numbers(const std::vector<std::optional<double>>& values) {
   json out = json::array();
   for (const auto& value : values) out.push_back(number(value));
@@ -95,34 +109,35 @@ RowIdentity identity_from(const json& in) {
 }
 
 void put_timing(const Timing& t, json& out) {
-  const double frame = t.median_frame_ms();
   out["run_type"] = "iteration";
   out["repetitions"] = t.frame_ms.size();
   out["repetition_index"] = 0;
   out["iterations"] = t.iterations;
-  out["real_time"] = out["cpu_time"] = out["frame_ms"] = frame;
+  out["real_time"] = out["cpu_time"] = out["frame_ms"] = median_json(t.frame_ms);
   out["time_unit"] = "ms";
-  out["prepare_ms"] = t.prepare_ms;
-  out["update_ms"] = median(t.update_ms);
-  out["shade_ms"] = median(t.shade_ms);
-  out["frame_spread_ms"] = t.frame_spread_ms();
+  out["prepare_ms"] = milliseconds(t.prepare_ms);
+  out["update_ms"] = median_json(t.update_ms);
+  out["shade_ms"] = median_json(t.shade_ms);
+  out["frame_spread_ms"] = t.timed() ? json(t.frame_spread_ms()) : json(nullptr);
   out["samples"] = {{"update_ms", t.update_ms}, {"shade_ms", t.shade_ms}, {"frame_ms", t.frame_ms}};
   out["stages"] = json::array();
   for (const StageSamples& stage : t.stages)
     out["stages"].push_back({{"name", stage.name}, {"ms", median(stage.ms)}, {"samples", stage.ms}});
-  out["view_ms"] = t.view_ms < 0 ? json(nullptr) : json(t.view_ms);
+  out["view_ms"] = milliseconds(t.view_ms);
+  out["command_ms"] = milliseconds(t.command_ms);
 }
 
 Timing timing_from(const json& in) {
   Timing t;
-  t.prepare_ms = in.at("prepare_ms"), t.iterations = in.at("iterations");
+  t.prepare_ms = milliseconds_from(in.at("prepare_ms")), t.iterations = in.at("iterations");
   const json& samples = in.at("samples");
   t.update_ms = samples.at("update_ms").get<std::vector<double>>();
   t.shade_ms = samples.at("shade_ms").get<std::vector<double>>();
   t.frame_ms = samples.at("frame_ms").get<std::vector<double>>();
   for (const json& stage : in.at("stages"))
     t.stages.push_back({stage.at("name"), stage.at("samples").get<std::vector<double>>()});
-  t.view_ms = in.at("view_ms").is_null() ? -1.0 : double(in.at("view_ms"));
+  t.view_ms = milliseconds_from(in.at("view_ms"));
+  t.command_ms = milliseconds_from(in.value("command_ms", json(nullptr)));
   return t;
 }
 
@@ -170,11 +185,11 @@ Score score_from(const json& in) {
   return score;
 }
 
-void put_facts(const Facts& facts, json& out) {
+void put_facts(const Facts& facts, bool known_bytes, json& out) {
   out["scene_key"] = facts.scene_key;
   out["key"] = facts.key;
   out["instruction_set"] = facts.instruction_set;
-  out["bytes"] = facts.bytes.total();
+  out["bytes"] = known_bytes ? json(facts.bytes.total()) : json(nullptr);
   out["footprint"] = bytes_json(facts.bytes);
   out["counters"] = facts.counters;
   if (!facts.image.empty()) out["image"] = facts.image;
@@ -198,7 +213,7 @@ json to_json(const Row& row) {
   put_identity(row.id, out);
   put_timing(row.timing, out);
   put_score(row.score, out);
-  put_facts(row.facts, out);
+  put_facts(row.facts, !row.id.external(), out);
   out["status"] = row.status;
   if (!row.ok()) out["error_occurred"] = true, out["error_message"] = row.status;
   return out;

@@ -9,42 +9,13 @@
 #include <thread>
 
 #include "scenes/image.h"
-#include "tests/support.h"
+#include "tests/cli/command_line.h"
 
 namespace penumbra {
 namespace {
 
-struct Outcome {
-  int code;
-  std::string out, err;
-};
-
-class CommandLine : public testing::Test {
- protected:
-  Outcome run(const std::string& arguments) const {
-    const std::string command = "PENUMBRA_CACHE=" + folder_.path() + "/cache " PENUMBRA_PROGRAM " " + arguments + " >" +
-                                folder_.path() + "/out.txt 2>" + folder_.path() + "/err.txt";
-    const int status = std::system(command.c_str());
-    return {WEXITSTATUS(status), test::read_text(folder_.path() + "/out.txt"),
-            test::read_text(folder_.path() + "/err.txt")};
-  }
-  void expect_error(const std::string& arguments, const std::string& part) const {
-    const Outcome o = run(arguments);
-    EXPECT_EQ(o.code, 2) << arguments;
-    EXPECT_NE(o.err.find(part), std::string::npos) << arguments << ": " << o.err;
-    int lines = 0;  // progress may stand above
-    for (std::size_t at = 0; (at = o.err.find("penumbra: ", at)) != std::string::npos; ++at) ++lines;
-    EXPECT_EQ(lines, 1) << o.err;
-    EXPECT_EQ(o.err.find('\n', o.err.find("penumbra: ")), o.err.size() - 1) << o.err;
-  }
-  std::string tiny_scene() const {
-    return folder_.write(
-        "tiny.toml",
-        "name = \"tiny\"\n[occluder]\nmesh = \"box\"\nspheres = 4\n[receivers]\n"
-        "plane = { half_extent = 1.0, resolution = 16, y = -1.0 }\n[light]\nenvironment = \"constant\"\n");
-  }
-  test::TemporaryFolder folder_;
-};
+using test::CommandLine;
+using test::Outcome;
 
 TEST_F(CommandLine, ListsInBothForms) {
   EXPECT_TRUE(std::regex_search(run("list").out, std::regex("\n  pixel-basis +environments +scalar, simd")));

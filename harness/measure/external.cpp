@@ -1,0 +1,67 @@
+#include "harness/measure/external.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "harness/results/row.h"
+#include "scenes/cache.h"
+
+namespace penumbra {
+namespace {
+
+std::vector<char> bytes_of(const std::string& text) {
+  return {text.begin(), text.end()};
+}
+
+std::string quoted(const std::string& path) {
+  const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+";
+  if (path.find_first_not_of(plain) == std::string::npos) return path;
+  std::string text = "'";
+  for (const char c : path) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+void replace_all(std::string& text, const std::string& what, const std::string& by) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+    text.replace(at, what.size(), by);
+}
+
+}  // namespace
+
+std::shared_ptr<const External> make_external(const std::string& name, const std::string& command,
+                                              const std::string& folder, double timeout_s, bool reads_spheres) {
+  External external;
+  external.entry.name = name, external.entry.backend = external_backend;
+  external.entry.lights = {true, true};
+  external.entry.reads_spheres = [reads_spheres](const Parameters&) { return reads_spheres; };
+  external.entry.make = [](const Parameters&) -> std::unique_ptr<Technique> {
+    throw std::logic_error("an external technique lives in another program");
+  };
+  external.command = command, external.folder = folder, external.timeout_s = timeout_s;
+  return std::make_shared<const External>(std::move(external));
+}
+
+std::string external_key(const External& external, const std::string& key) {
+  ContentHash hash;
+  hash.add(bytes_of(key)), hash.add(bytes_of(external.command));
+  std::istringstream words(external.command);
+  for (std::string word; words >> word;) {
+    const std::filesystem::path path = std::filesystem::path(external.folder) / word;
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) continue;
+    std::ifstream file(path, std::ios::binary);
+    hash.add(std::vector<char>(std::istreambuf_iterator<char>(file), {}));
+  }
+  return hash.digest();
+}
+
+std::string command_for(const External& external, const std::string& scene_folder, const std::string& image_file) {
+  std::string command = external.command;
+  replace_all(command, "{scene}", quoted(scene_folder));
+  replace_all(command, "{out}", quoted(image_file));
+  return command;
+}
+
+}  // namespace penumbra
