@@ -191,10 +191,10 @@ std::string describe_suite(const std::string& name_or_path, const Registry& regi
   line("settings",
        fmt::format("{} repetitions, truth noise {:.3g} %{}{}", suite.repetitions, 100.0 * suite.truth_noise,
                    suite.sequence ? ", every frame scored" : "", suite.attribution ? ", errors attributed" : ""));
-  if (suite.baseline) line("baseline", suite.baseline->label());
+  if (suite.baseline) line("baseline", spaced(suite.baseline->label()));
   if (!suite.published.empty()) line("published", suite.published);
   line("rows", fmt::format("{} on all scenes; of each:", rows));
-  for (const Variant& variant : suite.variants) line("", variant.label());
+  for (const Variant& variant : suite.variants) line("", spaced(variant.label()));
   line("try", fmt::format("penumbra run {0} --dry-run, penumbra run {0}", name_or_path));
   return text;
 }

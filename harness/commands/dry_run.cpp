@@ -24,6 +24,11 @@ struct Sum {
   std::size_t count = 0, measured = 0, skipped = 0, kept = 0;
 };
 
+/// "1 row", "2 rows".
+std::string counted(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 /// One scene of a plan, looked at but not run.
 class DryScene {
  public:
@@ -119,11 +124,11 @@ class DryScene {
       if (job.kind != Job::Kind::measurement) continue;
       const Variant& variant = plan_.suite->variants[job.variant];
       if (const std::string why = reason_to_skip(*variant.entry, scene_.light); !why.empty()) {
-        skipped_[why].push_back(variant.label());
+        skipped_[why].push_back(spaced(variant.label()));
         ++sum.skipped;
         continue;
       }
-      labels.push_back(variant.label());
+      labels.push_back(spaced(variant.label()));
       add_row(variant, sum);
     }
     return labels.empty() ? "none" : fmt::format("{}: {}", labels.size(), fmt::join(labels, ", "));
@@ -132,6 +137,7 @@ class DryScene {
   void add_row(const Variant& variant, Sum& sum) const {
     RowIdentity id = identity_of(planned_.outline, variant);
     id.receivers = std::size_t(scene_.receivers.size());
+    if (!scene_.spheres.empty()) id.spheres = scene_.spheres.size();  // a fit may need fewer than were asked for
     const auto kept = [&](const Row& old) {
       return old.ok() && old.id.name() == id.name() && old.timing.frame_ms.size() >= std::size_t(plan_.repetitions);
     };
@@ -155,18 +161,24 @@ class DryScene {
   std::map<std::string, std::vector<std::string>> skipped_;  ///< by reason
 };
 
-std::string summary(const Sum& sum, const RunOptions& options, int width) {
-  const std::size_t timed = sum.count - sum.kept;
+/// About how long, and how that is known.
+std::string expectation(const Sum& sum, const RunOptions& options) {
   std::string text = fmt::format(
-      "{}: fits {:.0f} s, references {:.0f} s, rows {:.0f} s; {} of {} rows as measured in {}, the rest by rough rates "
-      "of {} cores.",
-      about(sum.fits + sum.references + sum.rows), sum.fits, sum.references, sum.rows, sum.measured, timed,
-      options.directory, std::thread::hardware_concurrency());
+      "{}: fits {:.0f} s, references {:.0f} s, rows {:.0f} s; {} of {} as measured in {}, all else by rough rates of "
+      "{} "
+      "cores.",
+      about(sum.fits + sum.references + sum.rows), sum.fits, sum.references, sum.rows, sum.measured,
+      counted(sum.count - sum.kept, "row"), options.directory, std::thread::hardware_concurrency());
   if (options.resume)
-    text +=
-        fmt::format(" {} rows are in {} already; --resume keeps those whose inputs, program and machine are today's.",
-                    sum.kept, options.directory);
-  return wrapped(text + " Nothing was measured or written.", width) + "\n";
+    text += fmt::format(" {} in {} already; --resume keeps what has today's inputs, program and machine.",
+                        counted(sum.kept, "row"), options.directory);
+  return text + " Nothing was measured or written.";
+}
+
+std::string headline(const Plan& plan, const Sum& sum) {
+  return fmt::format("suite {}: {} on {}, {}{}", plan.suite->name, counted(sum.count, "row"),
+                     counted(plan.scenes.size(), "scene"), counted(std::size_t(plan.repetitions), "repetition"),
+                     sum.skipped ? fmt::format("; {} more skipped", sum.skipped) : "");
 }
 
 }  // namespace
@@ -181,12 +193,7 @@ void dry_run(const Suite& suite, const RunOptions& options) {
   std::string text, labels;
   for (const PlannedScene& scene : plan.scenes)
     text += "\n" + DryScene(plan, scene, earlier, options.resume).describe(sum, labels, width);
-  fmt::print(
-      "{}\n{}\n{}",
-      wrapped(fmt::format("suite {}: {} rows on {} scenes, {} repetitions{}", suite.name, sum.count, plan.scenes.size(),
-                          plan.repetitions, sum.skipped ? fmt::format("; {} more are skipped", sum.skipped) : ""),
-              width),
-      text, summary(sum, options, width));
+  fmt::print("{}\n{}\n{}\n", wrapped(headline(plan, sum), width), text, wrapped(expectation(sum, options), width));
 }
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 
 #include "harness/commands/commands.h"
 #include "harness/commands/describe.h"
+#include "harness/commands/help_format.h"
 #include "harness/commands/templates.h"
 #include "harness/report/screen.h"
 #include "scenes/error.h"
@@ -15,7 +16,7 @@ namespace penumbra {
 namespace {
 
 std::string help_of(const std::vector<std::string>& words, CLI::App& app) {
-  if (words.empty()) return app.help();
+  if (words.empty()) return first_screen(app);
   const std::string& topic = words[0];
   if (topic == "technique") {
     if (words.size() < 2) throw Error("help technique: which one? (`penumbra list`)");

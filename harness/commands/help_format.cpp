@@ -81,23 +81,22 @@ class Format : public CLI::Formatter {
     if (o.get_required()) text += " (required)";
     return text;
   }
-
-  static std::string first_screen(const CLI::App& app) {
-    const int width = screen_width();
-    std::string text = wrapped(app.get_description() + ".", width) + "\n\nbegin with (times of 2 cores)\n";
-    const std::vector<const CLI::App*> commands = app.get_subcommands({});
-    for (const Beginning& b : beginnings)
-      if (std::any_of(commands.begin(), commands.end(), [&](const auto* c) { return c->get_name() == b.command; }))
-        text += fmt::format("  {}\n      {}\n", b.line, wrapped(b.does, width, 6, 6));
-    text += "\ncommands\n";
-    for (const CLI::App* command : commands)
-      text += labelled(command->get_name(), command->get_description(), 14, width);
-    const char* more = "penumbra COMMAND --help: its options. penumbra --version: build, processor, CUDA.";
-    return text + "\n" + wrapped(more, width) + "\n";
-  }
 };
 
 }  // namespace
+
+std::string first_screen(const CLI::App& app) {
+  const int width = screen_width();
+  std::string text = wrapped(app.get_description() + ".", width) + "\n\nbegin with (times of 2 cores)\n";
+  const std::vector<const CLI::App*> commands = app.get_subcommands({});
+  for (const Beginning& b : beginnings)
+    if (std::any_of(commands.begin(), commands.end(), [&](const auto* c) { return c->get_name() == b.command; }))
+      text += fmt::format("  {}\n      {}\n", b.line, wrapped(b.does, width, 6, 6));
+  text += "\ncommands\n";
+  for (const CLI::App* command : commands) text += labelled(command->get_name(), command->get_description(), 14, width);
+  const char* more = "penumbra COMMAND --help: its options. penumbra --version: build, processor, CUDA.";
+  return text + "\n" + wrapped(more, width) + "\n";
+}
 
 void format_help(CLI::App& app) {
   app.formatter(std::make_shared<Format>());

@@ -13,6 +13,9 @@ namespace penumbra {
 /// is the first screen: where to begin, and every command.
 void format_help(CLI::App& app);
 
+/// Where to begin, and every command.
+std::string first_screen(const CLI::App& app);
+
 /// What this program is: version, commit, compiler, instruction sets, CUDA or why not.
 std::string version_text();
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "harness/commands/commands.h"
-#include "harness/commands/input_kind.h"
+#include "harness/commands/screen.h"
 #include "harness/commands/templates.h"
 #include "harness/results/results_file.h"
 #include "scenes/assets.h"
@@ -48,9 +48,9 @@ void init(const std::string& folder, const std::string& mesh) {
   if (error) throw Error("{}: cannot be created: {}", folder, error.message());
   write_atomically(scene, text);
   write_atomically(suite, suite_template());
+  const std::string next = fmt::format("penumbra run {} --out {}", suite, (fs::path(folder) / "results").string());
   fmt::print("{}: what blocks light, where it falls, the light\n{}: the techniques to measure\n", scene, suite);
-  fmt::print("Next: penumbra run {0} --out {1} (about a minute; --dry-run says what)\n", suite,
-             (fs::path(folder) / "results").string());
+  fmt::print("Next (about a minute; --dry-run says what):\n  {}\n", wrapped(next, screen_width(), 4, 2));
 }
 
 }  // namespace

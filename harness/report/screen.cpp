@@ -56,6 +56,11 @@ std::string labelled(const std::string& label, const std::string& text, int colu
   return out + wrapped(text, width, column, column) + "\n";
 }
 
+std::string spaced(std::string label) {
+  std::replace(label.begin(), label.end(), '/', ' ');
+  return label;
+}
+
 std::string wrapped_command(const std::string& command, int width) {
   std::istringstream lines(wrapped(command, columns_of(command) > width ? width - 2 : width, 4));
   std::string out;

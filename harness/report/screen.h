@@ -24,6 +24,9 @@ std::string wrapped(const std::string& text, int width, int indent = 0, int star
 /// own. Ends with a line break.
 std::string labelled(const std::string& label, const std::string& text, int column, int width);
 
+/// A row's label with spaces for its slashes, so that it can be broken into lines.
+std::string spaced(std::string label);
+
 /// A command that is broken in the shell's way (" \\") before a word, and never at '\x1f', which becomes a space; all
 /// lines but the first begin with four spaces. No line break at the end.
 std::string wrapped_command(const std::string& command, int width);

@@ -98,7 +98,7 @@ TEST_F(CommandLine, InitWritesWhatRunsAndOverwritesNothing) {
   const std::string study = folder_.path() + "/study";
   const Outcome first = run("init " + study);
   EXPECT_EQ(first.code, 0) << first.err;
-  EXPECT_NE(first.out.find("penumbra run " + study + "/suite.toml"), std::string::npos) << first.out;
+  EXPECT_NE(first.out.find("  penumbra run " + study + "/suite.toml --out"), std::string::npos) << first.out;
   const Outcome dry = run("run " + study + "/suite.toml --dry-run");
   EXPECT_EQ(dry.code, 0) << dry.err;
   EXPECT_NE(dry.out.find("scene: 16384 receivers, 64 spheres"), std::string::npos) << dry.out;

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <regex>
+
 #include "harness/measure/expected_time.h"
 #include "tests/harness/runs.h"
 
@@ -17,8 +19,10 @@ class DryRuns : public test::Runs {
   std::string dry(const std::string& text, bool resume = false, const std::vector<std::string>& scenes = {}) {
     const Suite suite = load_suite(folder_.write("suite.toml", text), registry_, 1, scenes);
     testing::internal::CaptureStdout();
-    dry_run(suite, {out(), ".*", 2, resume});
-    return testing::internal::GetCapturedStdout();
+    const std::string error = test::error_of([&] { dry_run(suite, {out(), ".*", 2, resume}); });
+    const std::string text = testing::internal::GetCapturedStdout();
+    if (!error.empty()) throw Error("{}", error);
+    return std::regex_replace(text, std::regex("\\s+"), " ");  // wherever lines are broken
   }
 };
 
@@ -27,23 +31,23 @@ TEST_F(DryRuns, SaysWhatIsThereAndWritesNothing) {
       folder_.write("lit.toml", test::scene_named("lit", test::constant, "spheres = 4\nobjective = \"grid\"\n"));
   const std::string suite = test::suite_of({scene});
   const std::string before = dry(suite);
-  EXPECT_THAT(before, HasSubstr("suite t: 1 rows on 1 scenes, 2 repetitions"));
+  EXPECT_THAT(before, HasSubstr("suite t: 1 row on 1 scene, 2 repetitions"));
   EXPECT_THAT(before, HasSubstr("lit: 256 receivers, 4 spheres for grid"));
-  EXPECT_THAT(before, HasSubstr("fit           to do"));
-  EXPECT_THAT(before, HasSubstr("references    to compute: truth, cube 32, spheres 32"));
-  EXPECT_THAT(before, HasSubstr("rows          1: good/scalar/threads:1"));
-  EXPECT_THAT(before, HasSubstr("0 of 1 rows as measured"));
+  EXPECT_THAT(before, HasSubstr("fit to do"));
+  EXPECT_THAT(before, HasSubstr("references to compute: truth, cube 32, spheres 32"));
+  EXPECT_THAT(before, HasSubstr("rows 1: good scalar threads:1"));
+  EXPECT_THAT(before, HasSubstr("0 of 1 row as measured"));
   EXPECT_FALSE(std::filesystem::exists(out()));
   EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/cache"));
 
   run(suite);
   const std::string after = dry(suite);
-  EXPECT_THAT(after, HasSubstr("fit           in the cache"));
-  EXPECT_THAT(after, HasSubstr("references    in the cache: truth, cube 32, spheres 32\n"));
-  EXPECT_THAT(after, HasSubstr("1 of 1 rows as measured"));
+  EXPECT_THAT(after, HasSubstr("fit in the cache"));
+  EXPECT_THAT(after, HasSubstr("references in the cache: truth, cube 32, spheres 32 rows"));
+  EXPECT_THAT(after, HasSubstr("1 of 1 row as measured"));
   EXPECT_THAT(after, HasSubstr("fits 0 s, references 0 s"));
   EXPECT_THAT(after, Not(HasSubstr("already")));
-  EXPECT_THAT(dry(suite, true), HasSubstr("1 rows are in " + out() + " already"));
+  EXPECT_THAT(dry(suite, true), HasSubstr("1 row in " + out() + " already"));
 }
 
 TEST_F(DryRuns, NamesRowsThatAreSkippedAndTheReason) {
@@ -52,8 +56,8 @@ TEST_F(DryRuns, NamesRowsThatAreSkippedAndTheReason) {
       "lamp.toml", test::scene_named("lamp", "area = { centre = [0, 9, 0], normal = [0, -1, 0], radius = 1.0 }"));
   const std::string text =
       dry(test::suite_of({lamp}, "sky-only", "[[technique]]\nname = \"good\"\nbackend = \"scalar\"\n"));
-  EXPECT_THAT(text, HasSubstr("1 rows on 1 scenes, 2 repetitions; 1 more are skipped"));
-  EXPECT_THAT(text, HasSubstr("skipped       cannot shade an area light: sky-only/scalar/threads:1"));
+  EXPECT_THAT(text, HasSubstr("1 row on 1 scene, 2 repetitions; 1 more skipped"));
+  EXPECT_THAT(text, HasSubstr("skipped cannot shade an area light: sky-only scalar threads:1"));
   EXPECT_THAT(text, HasSubstr("13x13"));
   EXPECT_THAT(text, Not(HasSubstr("cube")));
 }
@@ -61,7 +65,7 @@ TEST_F(DryRuns, NamesRowsThatAreSkippedAndTheReason) {
 TEST_F(DryRuns, AnySuiteOnAnyScene) {
   const std::string other = folder_.write("other.toml", test::scene_named("other", test::constant));
   const std::string suite = test::suite_of({scene_});
-  EXPECT_THAT(dry(suite, false, {other, scene_}), HasSubstr("1 rows on 2 scenes"));
+  EXPECT_THAT(dry(suite, false, {other, scene_}), HasSubstr("2 rows on 2 scenes"));
   EXPECT_THAT(dry(suite, false, {other}), Not(HasSubstr("tiny")));
   EXPECT_THAT(dry("name = \"t\"\n[[technique]]\nname = \"good\"\nbackend = \"scalar\"\n", false, {other}),
               HasSubstr("other: 256 receivers, no spheres"))
