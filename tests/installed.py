@@ -3,9 +3,9 @@
 
     tests/installed.py --build build/release --program build/release/tests/penumbra_without_sources
 
-The program is put in the place of the installed one, which it equals but for the folder of the sources: that is nowhere. It
-gets its data from its own share/penumbra; $PENUMBRA_DATA comes before that, and without any data there is one line and
-exit code 2.
+The installed program gets its data from its own share/penumbra, although the sources are there. Then PROGRAM takes its
+place, which equals it but for the folder of the sources: that is nowhere. It runs a suite with published figures;
+$PENUMBRA_DATA comes before its own data, and without any data there is one line and exit code 2.
 """
 import argparse
 import pathlib
@@ -54,7 +54,6 @@ def install(options, prefix):
     subprocess.run(["cmake", "--install", options.build, "--prefix", prefix], check=True, stdout=subprocess.DEVNULL)
     program = prefix / "bin" / "penumbra"
     expect(program.exists(), "an installation should have a program", prefix)
-    shutil.copy(options.program, program)
     return program
 
 
@@ -69,9 +68,11 @@ def main():
         data = place / "a prefix" / "share" / "penumbra" / "scenes"
 
         shutil.copy(data / "suites" / "quick.toml", data / "suites" / "of-this-installation.toml")
-        listing = run(program, "list")
-        for name in ("bunny-city", "of-this-installation"):
-            expect(name in listing, f"list should name {name}", listing)
+        for _ in ("with the sources", "without"):
+            listing = run(program, "list")
+            for name in ("bunny-city", "of-this-installation"):
+                expect(name in listing, f"list should name {name}", listing)
+            shutil.copy(options.program, program)
 
         (place / "suite.toml").write_text(SUITE, encoding="utf-8")
         (place / "tiny.toml").write_text(SCENE, encoding="utf-8")
