@@ -77,7 +77,9 @@ std::string mebibytes_text(const Row& row) {
 std::string milliseconds_text(const Timing& timing) {
   if (!timing.timed()) return "";
   if (timing.frame_ms.size() < 2) return fmt::format("**{:.3f}**", timing.median_frame_ms());
-  return fmt::format("**{:.3f}** ±{:.2g}", timing.median_frame_ms(), timing.frame_spread_ms());
+  const double spread = timing.frame_spread_ms();
+  return fmt::format("**{:.3f}** ±{}", timing.median_frame_ms(),
+                     spread < 99.5 ? fmt::format("{:.2g}", spread) : fmt::format("{:.0f}", spread));
 }
 
 std::string percent_text(const std::optional<double>& relative) {

@@ -123,8 +123,12 @@ class Part {
   }
 
   bool empty() const { return panels_.empty(); }
-  std::size_t size() const { return panels_.size(); }
   int column() const { return column_; }
+  /// At most so many, and as few as make no more lines of panels.
+  std::size_t columns(std::size_t most) const {
+    const std::size_t lines = (panels_.size() + most - 1) / most;
+    return (panels_.size() + lines - 1) / lines;
+  }
   int height(std::size_t columns) const {
     int height = top();
     for (std::size_t k = 0; k < panels_.size(); k += columns) height += block_height(k, columns);
@@ -169,7 +173,7 @@ class Part {
   void draw_legend(int x, int y, Image& sheet) const {
     paste(colour_bar(column_), x, y, sheet);
     const int share = int(100.0 * signed_error_range);
-    const std::string least = fmt::format("−{} %", share), most = fmt::format("+{} %", share);
+    const std::string least = fmt::format("-{} %", share), most = fmt::format("+{} %", share);
     const int baseline = y + bar_height + line_height - 3;
     lettering_.draw(least, x, baseline, letters, sheet);
     lettering_.draw("0", x + (column_ - lettering_.width("0", letters)) / 2, baseline, letters, sheet);
@@ -198,9 +202,9 @@ Image draw_sheet(const std::string& folder, const std::vector<std::vector<const 
       drawn.pop_back();
       continue;
     }
-    most = std::max(most, std::min(part.size(), std::size_t(columns)));
+    most = std::max(most, part.columns(std::size_t(columns)));
     column = std::max(column, part.column());
-    height += part.height(std::size_t(columns));
+    height += part.height(part.columns(std::size_t(columns)));
   }
   if (drawn.empty()) return {};
   static bool warned = false;
@@ -210,8 +214,9 @@ Image draw_sheet(const std::string& folder, const std::vector<std::vector<const 
   sheet.pixels.assign(std::size_t(sheet.width) * sheet.height, vec3(1.0f));
   int y = 0;
   for (const Part& part : drawn) {
-    part.draw(std::size_t(columns), y, sheet);
-    y += part.height(std::size_t(columns));
+    const std::size_t own = part.columns(std::size_t(columns));
+    part.draw(own, y, sheet);
+    y += part.height(own);
   }
   return sheet;
 }

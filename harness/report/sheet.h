@@ -10,9 +10,9 @@
 namespace penumbra {
 
 /// `parts`: rows by scene, in the order in which they are shown; each part begins with its truth and has the signed
-/// errors below the images. `folder`: of results, whose images are read. A row whose image cannot be read is left out,
-/// and one of vertices makes no picture. An empty image if nothing is left. Without a font there are no labels, and one
-/// warning says so.
+/// errors below the images, in at most so many columns. `folder`: of results, whose images are read. A row whose image
+/// cannot be read is left out, and one of vertices makes no picture. An empty image if nothing is left. Without a font
+/// there are no labels, and one warning says so.
 Image draw_sheet(const std::string& folder, const std::vector<std::vector<const Row*>>& parts, int columns,
                  const Lettering& lettering = Lettering());
 

@@ -10,6 +10,16 @@
 
 namespace penumbra {
 
+std::string drawable(const std::string& text) {
+  std::string out;
+  for (std::string rest = text, letter; !rest.empty(); rest = rest.substr(letter.size())) {
+    letter = first_letter(rest);
+    if (letter.size() == 1 && static_cast<unsigned char>(letter[0]) < 0x80) out += letter;
+    else out += letter == "±" ? "+-" : letter == "…" ? "..." : "?";
+  }
+  return out;
+}
+
 std::vector<std::string> common_fonts() {
   return {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
           "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
@@ -29,7 +39,7 @@ Lettering::Lettering(const std::vector<std::string>& fonts) {
 
 int Lettering::width(const std::string& text, int size) const {
   if (!available() || text.empty()) return 0;
-  const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(text, size, font_);
+  const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(drawable(text), size, font_);
   return box.defined() ? std::max(0, box.xend) : 0;
 }
 
@@ -58,7 +68,7 @@ void Lettering::draw(const std::string& text, int x, int baseline, int size, Ima
   static_assert(sizeof(vec3) == 3 * sizeof(float));
   const OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::FLOAT);
   OIIO::ImageBuf pixels(spec, image.pixels.data());
-  OIIO::ImageBufAlgo::render_text(pixels, x, baseline, text, size, font_, {0.0f, 0.0f, 0.0f});
+  OIIO::ImageBufAlgo::render_text(pixels, x, baseline, drawable(text), size, font_, {0.0f, 0.0f, 0.0f});
 }
 
 }  // namespace penumbra

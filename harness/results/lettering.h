@@ -8,6 +8,10 @@
 
 namespace penumbra {
 
+/// The text in the letters that can be drawn: ASCII, "+-" for a plus-minus sign, "..." for an ellipsis, "?" for others.
+/// OpenImageIO 2.4 takes the last byte of a longer letter for the letter.
+std::string drawable(const std::string& text);
+
 /// Files and names of fonts that are common where penumbra runs, the best first.
 std::vector<std::string> common_fonts();
 

@@ -50,6 +50,10 @@ std::string cut_to_columns(const std::string& text, int columns) {
   return columns > 0 ? text.substr(0, at) + "…" : "";
 }
 
+std::string first_letter(const std::string& text) {
+  return text.empty() ? "" : text.substr(0, letter_size(text, 0));
+}
+
 std::string without_last_letter(std::string text) {
   std::size_t last = 0;
   for (std::size_t at = 0; at < text.size(); at += letter_size(text, at)) last = at;

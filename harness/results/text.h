@@ -11,6 +11,9 @@ int columns_of(const std::string& text);
 /// The text if it takes at most so many columns, else as much of it as they hold with an ellipsis behind it.
 std::string cut_to_columns(const std::string& text, int columns);
 
+/// "" of an empty text.
+std::string first_letter(const std::string& text);
+
 /// The text without its last letter.
 std::string without_last_letter(std::string text);
 

@@ -39,9 +39,11 @@ class Sheets : public testing::Test {
 };
 
 TEST_F(Sheets, HoldTheTruthOnceAndErrorsBelow) {
-  const Row a = row("a", 128, 64, 0.4f), b = row("b", 128, 64, 0.5f), c = row("c", 128, 64, 0.6f);
-  const Image sheet = draw_sheet(folder_.path(), {{&a, &b, &c}}, 3, none_);
-  ASSERT_EQ(sheet.width, 3 * 256 + 4 * 10) << "panels of twice their size, gaps of 10";
+  const Row a = row("a", 128, 64, 0.4f), b = row("b", 128, 64, 0.5f), c = row("c", 128, 64, 0.6f),
+            d = row("d", 128, 64, 0.7f);
+  const Image sheet = draw_sheet(folder_.path(), {{&a, &b, &c, &d}}, 4, none_);
+  ASSERT_EQ(sheet.width, 3 * 256 + 4 * 10)
+      << "five panels in two lines: three and two; of twice their size, gaps of 10";
   const auto at = [&](int x, int y) { return sheet.pixels[std::size_t(y) * sheet.width + x].x; };
   EXPECT_NEAR(at(20, 20), 0.2f, 0.01f) << "the truth";
   EXPECT_NEAR(at(286, 20), 0.4f, 0.01f);
@@ -49,7 +51,7 @@ TEST_F(Sheets, HoldTheTruthOnceAndErrorsBelow) {
   EXPECT_NEAR(at(286, 160), 0.7f, 0.01f) << "its error";
   const int second = 10 + 128 + 10 + 128 + 20;  // the next line of panels: of the third row, no truth before it
   EXPECT_NEAR(at(20, second + 10), 0.6f, 0.01f);
-  EXPECT_TRUE(white(sheet, 276, second, 500, 200));
+  EXPECT_TRUE(white(sheet, 542, second, 500, 200));
   EXPECT_EQ(sheet.height, 2 * second - 10);
 }
 
@@ -123,6 +125,11 @@ TEST(Lettering, FitsAndWraps) {
   for (const std::string& line : lines) EXPECT_LE(letters.width(line, 13), width) << line;
   EXPECT_TRUE(lines[1].ends_with("…"));
   EXPECT_TRUE(letters.wrapped("", width, 13, 2).empty());
+}
+
+TEST(Lettering, DrawsAsciiAndWhatCanBeSaidInIt) {
+  EXPECT_EQ(drawable("truth ±0.2 %…"), "truth +-0.2 %...");
+  EXPECT_EQ(drawable("häs-兔\xff"), "h?s-??");
 }
 
 TEST(Lettering, WithoutAFontNothingIsDrawn) {

@@ -32,6 +32,9 @@ TEST(Text, LosesWholeLetters) {
   EXPECT_EQ(without_last_letter("兔子"), "兔");
   EXPECT_EQ(without_last_letter("a"), "");
   EXPECT_EQ(without_last_letter(""), "");
+  EXPECT_EQ(first_letter("兔子"), "兔");
+  EXPECT_EQ(first_letter("\xffz"), "\xff");
+  EXPECT_EQ(first_letter(""), "");
 }
 
 TEST(Text, DurationsAreRoundedUp) {
