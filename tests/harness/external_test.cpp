@@ -7,6 +7,7 @@
 
 #include "harness/measure/child_process.h"
 #include "harness/measure/foreign_image.h"
+#include "harness/results/row_json.h"
 #include "tests/harness/runs.h"
 
 namespace penumbra {
