@@ -17,7 +17,7 @@ struct Beginning {
 constexpr Beginning beginnings[] = {
     {"choose", "penumbra choose mesh.obj --light sky.hdr --error 2%",
      "the cheapest technique within 2 % of error, for your mesh and your light: about a minute"},
-    {"run", "penumbra run quick", "time and error of every family on four scenes: about a minute"},
+    {"run", "penumbra run quick", "time and error of every family on three scenes: about a minute"},
     {"init", "penumbra init my-study", "a scene and a suite with comments, to change and to run: at once"},
     {"list", "penumbra list", "techniques, scenes and suites; penumbra list NAME: all of one: at once"},
 };
