@@ -20,9 +20,9 @@ class DryRuns : public test::Runs {
     const Suite suite = load_suite(folder_.write("suite.toml", text), registry_, 1, scenes);
     testing::internal::CaptureStdout();
     const std::string error = test::error_of([&] { dry_run(suite, {out(), ".*", 2, resume}); });
-    const std::string text = testing::internal::GetCapturedStdout();
+    const std::string screen = testing::internal::GetCapturedStdout();
     if (!error.empty()) throw Error("{}", error);
-    return std::regex_replace(text, std::regex("\\s+"), " ");  // wherever lines are broken
+    return std::regex_replace(screen, std::regex("\\s+"), " ");  // wherever lines are broken
   }
 };
 
