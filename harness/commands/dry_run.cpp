@@ -42,12 +42,10 @@ class DryScene {
 
   std::string describe(Sum& sum, std::string& labels_before, int width) {
     const SceneOutline& o = planned_.outline;
-    std::string text = wrapped(fmt::format("{}: {} receivers, {}", o.name, scene_.receivers.size(),
-                                           o.spheres == 0 ? "no spheres"
-                                                          : fmt::format("{} spheres{}", o.spheres,
-                                                                        o.fitted() ? " for " + o.objective : "")),
-                               width) +
-                       "\n";
+    const std::string spheres =
+        o.spheres == 0 ? "no spheres" : counted(o.spheres, "sphere") + (o.fitted() ? " for " + o.objective : "");
+    std::string text =
+        wrapped(fmt::format("{}: {} receivers, {}", o.name, scene_.receivers.size(), spheres), width) + "\n";
     const auto line = [&](const char* label, const std::string& what) { text += labelled(label, what, column, width); };
     if (o.fitted()) line("fit", fit(sum));
     line("references", references(sum));

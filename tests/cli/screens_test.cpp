@@ -182,6 +182,7 @@ TEST(Wrapping, BreaksAtSpacesAndHangs) {
   EXPECT_EQ(wrapped("a-word-that-is-long b", 5), "a-word-that-is-long\nb") << "words stay whole";
   EXPECT_EQ(wrapped("one\ntwo", 80, 1), "one\n two");
   EXPECT_EQ(labelled("a", "one two", 5, 9), "  a  one\n     two\n");
+  EXPECT_EQ(labelled("abcd", "x", 6, 20), "  abcd\n      x\n") << "text never touches its label";
   EXPECT_EQ(labelled("long-label", "one", 5, 20), "  long-label\n     one\n");
   EXPECT_EQ(labelled("abc", "", 5, 20), "  abc\n");
 }
