@@ -82,7 +82,8 @@ TEST_F(Externals, WhatHangsIsKilledWithItsChildren) {
   EXPECT_TRUE(row_of("sleep 77 & cp right.exr {out}").ok()) << "who is left behind is not waited for";
   EXPECT_TRUE(row_of("exec >&- 2>&-; cp right.exr {out}").ok());
   EXPECT_TRUE(row_of("cat; cp right.exr {out}").ok()) << "there is no input to wait for";
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 30.0);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 70.0)
+      << "nobody sleeps for 77 s";
 }
 
 TEST_F(Externals, ResumeKeepsARowUnlessItsCommandOrProgramChanged) {

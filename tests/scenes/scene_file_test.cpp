@@ -186,8 +186,8 @@ TEST(SceneFile, MeshesWithZUpAreTurnedUpright) {
   const test::TemporaryFolder folder;
   folder.write("pyramid.obj", pyramid_with_z_up);
   const auto load = [&](const std::string& more) {
-    return load_scene(folder.write(
-        "t.toml", scene_text("[occluder]\nmesh = \"pyramid.obj\"\n" + more, good_receivers, good_light)));
+    return load_scene(
+        folder.write("t.toml", scene_text("[occluder]\nmesh = \"pyramid.obj\"\n" + more, good_receivers, good_light)));
   };
   const Scene lying = load("up = \"y\"\n"), upright = load("up = \"z\"\nspheres = [[1, 2, 4, 0.5]]\n");
   EXPECT_EQ(bounds(upright.mesh).low, vec3(0, 1, -3));
@@ -217,8 +217,8 @@ TEST(SceneFile, SpheresAreFittedToTheTurnedMesh) {
   const test::TemporaryFolder folder;
   folder.write("pyramid.obj", pyramid_with_z_up);
   const auto load = [&](const std::string& more) {
-    return load_scene(folder.write("t.toml", scene_text("[occluder]\nmesh = \"pyramid.obj\"\nspheres = 8\n" + more,
-                                                        good_receivers, good_light)));
+    return load_scene(folder.write(
+        "t.toml", scene_text("[occluder]\nmesh = \"pyramid.obj\"\nspheres = 8\n" + more, good_receivers, good_light)));
   };
   const Scene upright = load("up = \"z\"\n");
   for (const Sphere& s : upright.spheres.spheres) {
