@@ -12,7 +12,7 @@ import numpy
 from PIL import Image, ImageDraw
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-SCENE = "horse-sun-sky"
+SCENE = "bunny-lamp-small"
 SIZE, MARGIN = 512, 64  # pixels
 
 
@@ -38,9 +38,13 @@ def main() -> None:
     program = ROOT / "build" / "release" / "penumbra"
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        subprocess.run([program, "export", SCENE, "-o", folder], check=True, stdout=subprocess.DEVNULL)
-        subprocess.run([program, "reference", SCENE, "-o", folder / "truth.png"], check=True, stdout=subprocess.DEVNULL)
-        plane = json.loads((folder / "scene.json").read_text())["receivers"]
+        scene = folder / "scene.toml"  # without its spheres, which would be fitted first
+        lines = (ROOT / "scenes" / "library" / f"{SCENE}.toml").read_text().splitlines()
+        scene.write_text("\n".join(line for line in lines if not line.startswith("spheres")) + "\n")
+        subprocess.run([program, "export", scene, "-o", folder], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program, "reference", scene, "-o", folder / "truth.png"], check=True, stdout=subprocess.DEVNULL)
+        exported = json.loads((folder / "scene.json").read_text())
+        plane, lamp = exported["receivers"], exported["light"]["centre"]
         mesh = positions(folder / "mesh.ply")
         truth = Image.open(folder / "truth.png").convert("RGB").resize((SIZE, SIZE), Image.NEAREST)
 
@@ -55,7 +59,7 @@ def main() -> None:
     shade = Image.new("L", sheet.size, 0)
     dots = ImageDraw.Draw(shade)
     for x, _, z in mesh:
-        dots.ellipse([*(v - 1.5 for v in place(x, z)), *(v + 1.5 for v in place(x, z))], fill=90)
+        dots.ellipse([*(v - 1.5 for v in place(x, z)), *(v + 1.5 for v in place(x, z))], fill=170)
     sheet.paste(Image.new("RGB", sheet.size, "orange"), mask=shade)
 
     draw = ImageDraw.Draw(sheet)
@@ -67,7 +71,10 @@ def main() -> None:
     for x, z, anchor, where in [(-1, -1, "lb", "pixel (0, 0): "), (1, -1, "rb", ""), (-1, 1, "lt", ""), (1, 1, "rt", "last pixel: ")]:
         draw.text(place(centre_x + x * half, centre_z + z * half), f"{where}x = {centre_x + x * half:g}, z = {centre_z + z * half:g}",
                   fill="black", anchor=anchor, font_size=14)
-    draw.text((MARGIN, 12), f"{SCENE}: rows run along z, columns along x; orange: the mesh from above", fill="black", font_size=16)
+    x, z = place(lamp[0], lamp[2])
+    draw.ellipse([x - 9, z - 9, x + 9, z + 9], fill="yellow", outline="black")
+    draw.text((x + 14, z - 8), "lamp", fill="black", font_size=16)
+    draw.text((MARGIN, 10), f"{SCENE}, its mesh (orange) and its lamp from above", fill="black", font_size=16)
     sheet.quantize(128).save(ROOT / "docs" / "plane.png", optimize=True)
 
 

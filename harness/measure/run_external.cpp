@@ -26,6 +26,13 @@ void remove_folder(const std::string& folder) {
   std::filesystem::remove_all(folder, ignored);
 }
 
+/// A message without the path of an image that will be gone: what the suite calls it stands in its place.
+std::string without_path(std::string message, const std::string& path) {
+  for (std::size_t at = 0; !path.empty() && (at = message.find(path, at)) != std::string::npos;)
+    message.replace(at, path.size(), "{out}");
+  return message;
+}
+
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
   return first == std::string_view::npos ? "" : text.substr(first, last - first + 1);
@@ -95,7 +102,7 @@ Checked check_external(const Variant& variant, const SceneContext& context, cons
     c.row.timing.iterations = times.ms().empty() ? 0 : 1;
     c.row.score = context.score(c.image, variant.parameters);
   } catch (const std::exception& e) {
-    c.row.status = std::string("failed: ") + e.what();
+    c.row.status = "failed: " + without_path(e.what(), exported ? exported->folder() + "/image.exr" : "");
   }
   return c;
 }

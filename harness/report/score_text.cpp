@@ -43,7 +43,8 @@ std::string place_of(const Row& row, const std::vector<Row>& rows) {
   std::string text = fmt::format("Number {} of {} rows of this scene by error against truth:\n", place + 1, count);
   for (std::ptrdiff_t k = first; k < std::min(count, first + most); ++k) {
     const Row& r = *sorted[std::size_t(k)];
-    const std::string what = fmt::format("{} {} {}", r.id.technique, r.id.backend, telling_parameters(r, sorted));
+    const std::string parameters = telling_parameters(r, sorted);
+    const std::string what = r.id.technique + " " + r.id.backend + (parameters.empty() ? "" : " " + parameters);
     text += fmt::format("{} {:>20} %{:>12}  {:.55}\n", k == place ? ">" : " ", rung_or_tie(r, "truth"),
                         r.timing.timed() ? fmt::format("{:.3f} ms", r.timing.median_frame_ms()) : "no time", what);
   }
@@ -55,8 +56,10 @@ std::string place_of(const Row& row, const std::vector<Row>& rows) {
 std::string make_score_text(const Row& row, const std::vector<Row>& rows) {
   std::string text = fmt::format("  {:<10}{:>10}{:>11}{:>11}{:>11}{:>11}{:>9}{:>8}{:>8}\n", "against", "receivers",
                                  "rel.RMSE %", "RMSE", "max", "signed", "PSNR", "SSIM", "FLIP");
-  for (const auto& [rung, errors] : row.score.errors) text += line(rung, errors.report.all);
   const auto truth = row.score.errors.find("truth");
+  if (truth != row.score.errors.end()) text += line("truth", truth->second.report.all);
+  for (const auto& [rung, errors] : row.score.errors)
+    if (rung != "truth") text += line(rung, errors.report.all);
   if (truth == row.score.errors.end()) return text + place_of(row, rows);
   for (std::size_t k = 0; k < region_names.size(); ++k) text += line(region_names[k], truth->second.report.region[k]);
   text += fmt::format("The truth's noise is {} %{}; umbra, penumbra and lit are regions of the truth.\n",

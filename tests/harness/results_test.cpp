@@ -25,6 +25,7 @@ Row row_with(const std::string& technique, double ms, double error, double noise
   row.timing.update_ms = {0.5, 0.5, 0.5};
   row.timing.shade_ms = {ms - 0.5, ms + 0.5, ms - 1.5};
   row.timing.iterations = 7;
+  row.timing.prepare_ms = 0.0;
   row.timing.stages = {{"map", {1, 3, 2}}, {"filter", {4, 4, 5}}};
   row.timing.view_ms = 12.5;
   row.facts.bytes = {1, 2, 3};
