@@ -68,7 +68,7 @@ TEST(UntimedRows, AreNotTheCheapest) {
   const std::string table = make_choice_table(
       {row_with("theirs", {}, 0.001), row_with("a", {1.0}, 0.02), row_with("b", {2.0}, 0.02), row_with("b", {}, 0.0)});
   EXPECT_EQ(table.find("theirs"), std::string::npos) << table;
-  EXPECT_NE(table.find("| b | | 2.00 ms"), std::string::npos) << table;
+  EXPECT_NE(table.find("| b | 2 ms"), std::string::npos) << table;
 }
 
 }  // namespace
