@@ -11,6 +11,7 @@
 #include "harness/measure/check.h"
 #include "harness/measure/chosen_frame.h"
 #include "harness/measure/foreign_image.h"
+#include "harness/measure/progress.h"
 #include "harness/measure/scene_images.h"
 #include "harness/measure/timing.h"
 #include "harness/report/score_text.h"
@@ -57,10 +58,12 @@ Suite suite_of(const ScoreOptions& options, const Animation& animation) {
 }
 
 /// All rungs that the scene has.
-void add_references(SceneContext& context, int resolution) {
+void add_references(SceneContext& context, int resolution, Progress& progress) {
   for (const Rung rung : {Rung::truth, Rung::r13x13, Rung::cube, Rung::spheres}) {
     const bool texels = rung == Rung::cube || rung == Rung::spheres;
-    if (inapplicable(context.frame(), rung).empty()) context.add_reference(rung, texels ? resolution : 0);
+    if (!inapplicable(context.frame(), rung).empty()) continue;
+    progress.step(to_string(rung));
+    context.add_reference(rung, texels ? resolution : 0, [&](double share) { progress.share(share); });
   }
 }
 
@@ -94,18 +97,20 @@ Results rows_beside(const std::string& directory, const SceneContext& context) {
 
 int score(const ScoreOptions& options) {
   check_times(options.time_ms);
-  Scene scene = load_scene(options.scene);
+  Progress progress;
+  Scene scene = load_scene(options.scene, {}, progress);
   const Suite suite = suite_of(options, Animation(scene));
   SceneContext context(std::move(scene), suite, options.frame);
   const Image image = load_foreign_image(options.image, context.frame().receivers, context.scene().name);
   ResultsFolder folder(options.directory);
   const Results earlier = rows_beside(options.directory, context);
-  Progress progress;
-  add_references(context, options.resolution);
+  add_references(context, options.resolution, progress);
   context.finish_references(progress);
+  progress.finish();
 
-  const Row row = scored_row(context, suite, image, options.time_ms);
-  SceneImages images(suite, options.directory + "/images/" + context.folder(), context);
+  Row row = scored_row(context, suite, image, options.time_ms);
+  SceneImages images(suite, options.directory, context);
+  row.facts.image = images.stem(suite.variants[0]);
   images.save_truth();
   images.save(suite.variants[0], image);
   folder.begin(earlier.context, earlier.rows);
@@ -114,7 +119,7 @@ int score(const ScoreOptions& options) {
   if (const std::string why = folder.save(); !why.empty()) throw std::runtime_error(why);
 
   const int frame = int(context.frame().time);
-  const std::string stem = images.stem(suite.variants[0]);
+  const std::string stem = options.directory + "/" + row.facts.image;
   if (options.json) {
     nlohmann::json out = to_json(row);
     out["frame"] = frame, out["error_map"] = {stem + ".error.exr", stem + ".error.png"};
