@@ -69,8 +69,8 @@ std::string caveat(const Answer& a) {
 std::string table(const Answer& a, int width) {
   const bool moves =
       !a.moving && std::any_of(a.options.begin(), a.options.end(), [](const Option& o) { return o.moving_ms >= 0.0; });
-  TextTable table({{"technique", std::max(20, width - 44), Align::left},
-                   {"ms", 6, Align::right},
+  TextTable table({{"technique", std::max(20, width - 45), Align::left},
+                   {"ms", 7, Align::right},
                    {moves ? "moving ms" : "", 9, Align::right},
                    {"error %", 7, Align::right},
                    {"from", width, Align::left}},

@@ -132,7 +132,7 @@ TEST_F(Choices, MovingCountsTheUpdate) {
   EXPECT_EQ(sh(moving).moving_ms, -1.0);
   EXPECT_GT(sh(moving).row.timing.median_frame_ms(), 20.0 * sh(rest).row.timing.median_frame_ms());
   if (rest.best()->row.id.technique == "sh-lighting")
-    EXPECT_NE(screen_of(rest, 100).find("holds while the mesh rests"), std::string::npos) << screen_of(rest, 100);
+    EXPECT_NE(screen_of(rest, 100).find("Holds while the mesh rests"), std::string::npos) << screen_of(rest, 100);
 }
 
 TEST_F(Choices, PartsAddUpToTheError) {
