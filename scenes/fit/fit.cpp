@@ -195,7 +195,7 @@ SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::str
                      const FitProgress& progress) {
   if (auto cached = fit_in_cache(mesh, request)) return std::move(*cached);
   inform("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
-               cache_folder());
+         cache_folder());
   SphereSet set = fit_with(mesh, request, what, progress,
                            [&](const FitRequest& first) { return cached_fit(mesh, first, what, progress); });
   try {
