@@ -35,7 +35,7 @@ std::string parts_text(const Option& option) {
   const double whole = option.row.score.truth_error().value_or(0.0);
   for (const ErrorPart& part : option.parts) {
     if (part.rel_rmse < 0.25 * whole) continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", part.name, two_digits(100.0 * part.rel_rmse));
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", two_digits(100.0 * part.rel_rmse), part.name);
   }
   return text;
 }
@@ -69,7 +69,7 @@ std::string caveat(const Answer& a) {
 std::string table(const Answer& a, int width) {
   const bool moves =
       !a.moving && std::any_of(a.options.begin(), a.options.end(), [](const Option& o) { return o.moving_ms >= 0.0; });
-  TextTable table({{"technique", std::max(20, width - 45), Align::left},
+  TextTable table({{"technique", std::max(20, width - 33), Align::left},
                    {"ms", 7, Align::right},
                    {moves ? "moving ms" : "", 9, Align::right},
                    {"error %", 7, Align::right},

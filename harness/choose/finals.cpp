@@ -98,22 +98,22 @@ std::string label_of(const Variant& variant, const Row& row) {
 }
 
 std::vector<ErrorPart> parts_of(const Trial& trial, const Trials& trials) {
-  const Score score = trials.anatomy(trial.variant, trial.spheres);
   const Entry& entry = *trial.variant.entry;
+  const std::string own = entry.errs_by.empty() ? "its own" : entry.errs_by;
+  const bool texels = trial.variant.parameters.all().contains("resolution"), spheres = trial.row.id.reads_spheres;
   std::vector<ErrorPart> parts;
-  const auto against = [&](const char* rung) {
-    const auto at = score.errors.find(rung);
-    return at == score.errors.end() ? std::nullopt : at->second.report.all.rel_rmse;
-  };
   const auto add = [&](const std::string& name, const std::optional<double>& error) {
     if (error) parts.push_back({name, *error});
   };
-  const bool texels = trial.variant.parameters.all().contains("resolution");
+  if (!texels && !spheres) {  // nothing stands between the truth and what it errs by
+    add(own, trial.row.score.truth_error());
+    return parts;
+  }
+  const Score score = trials.anatomy(trial.variant, trial.spheres);
   if (texels) add("texels", trials.texel_error(trial.spheres, resolution_of(trial.variant.parameters)));
-  if (trial.row.id.reads_spheres) add("spheres", score.geometry);
-  add(entry.errs_by.empty() ? "its own" : entry.errs_by, against(trial.row.id.reads_spheres ? "spheres"
-                                                                 : texels                   ? "cube"
-                                                                                            : "truth"));
+  if (spheres) add("spheres", score.geometry);
+  if (const auto at = score.errors.find(spheres ? "spheres" : "cube"); at != score.errors.end())
+    add(own, at->second.report.all.rel_rmse);
   std::stable_sort(parts.begin(), parts.end(),
                    [](const ErrorPart& a, const ErrorPart& b) { return a.rel_rmse > b.rel_rmse; });
   return parts;
@@ -130,6 +130,7 @@ std::vector<Option> timed(const std::vector<const Trial*>& candidates, const Tri
     else checked.emplace_back(t, std::move(c));
   }
   std::vector<TimedItem> items;
+  items.reserve(checked.size());
   for (auto& [t, c] : checked)
     items.push_back({c.row.id.name(), c.technique.get(), &trials.context(t->spheres).scene(), c.row.id.threads,
                      c.estimate_ms(), c.row.timing, ""});

@@ -130,7 +130,7 @@ std::string write_scene(const SceneRequest& request, const std::string& folder) 
   text += fmt::format("\n[receivers]\nplane = {{ half_extent = {:.4g}, resolution = {} }}\n\n[light]\n{}\n",
                       half_extent, request.resolution, light);
   if (request.moving) text += "\n[motion]\nkind = \"twist\"\namount = 0.5\nperiod = 16.0\nframes = 16\n";
-  const std::string path = folder + "/scene.toml";
+  std::string path = folder + "/scene.toml";
   write_atomically(path, text);
   return path;
 }

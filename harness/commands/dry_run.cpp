@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "harness/measure/check.h"
+#include "harness/measure/chosen_frame.h"
 #include "harness/measure/expected_time.h"
 #include "harness/report/published.h"
 #include "harness/report/published_times.h"
@@ -95,7 +96,7 @@ class DryScene {
     if (job.rung == Rung::spheres && scene_.spheres.empty()) return false;
     ReferenceSettings settings = settings_of();
     if (job.resolution) settings.resolution = job.resolution;
-    return is_cached(animation_.frame(animation_.frames() / 3), job.rung, settings);
+    return is_cached(animation_.frame(scored_frame(animation_)), job.rung, settings);
   }
 
   int cached_truths() {

@@ -87,7 +87,8 @@ std::vector<int> TextTable::widths() const {
     for (const auto& cells : rows_)
       if (cells.size() > 1) width = std::max(width, columns_of(cells[c]));
     if (width > 0) width = std::min(columns_[c].most, std::max(width, columns_of(columns_[c].title)));
-    if (c + 1 == columns_.size()) width = std::max(0, std::min(width, width_ - before - 2));
+    if (c + 1 == columns_.size() && width > width_ - before - 2) width = width_ - before - 2;
+    if (width < std::min(6, columns_of(columns_[c].title))) width = 0;  // too little to say anything
     before += width > 0 ? 2 + width : 0;
     widths.push_back(width);
   }
