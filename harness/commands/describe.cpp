@@ -111,6 +111,7 @@ std::string motion_text(const Motion& motion, const std::string& kind) {
 /// "8, 16; for cover, shadow": what replaces the scenes' own spheres.
 std::string choices_text(const std::vector<SphereChoice>& choices) {
   std::vector<std::string> texts;
+  texts.reserve(choices.size());
   for (const SphereChoice& choice : choices)
     texts.push_back(fmt::format("{}{}", choice.count ? std::to_string(*choice.count) : "the scenes' own number",
                                 choice.objective ? " for " + to_string(*choice.objective) : ""));
