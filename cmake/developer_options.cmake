@@ -58,7 +58,7 @@ endfunction()
 # penumbra_precompile(target <header>...): headers that many sources of a target read are parsed once: these and the given
 # ones. Only headers of libraries: paths of this checkout would keep the compiler cache from serving another one. None that
 # defines objects, such as CLI11's validators: every source would compile them anew, for seconds. Sources still include what
-# they use; the preset `asan` compiles them without (CMAKE_DISABLE_PRECOMPILE_HEADERS).
+# they use; the preset `lint` reads them without (CMAKE_DISABLE_PRECOMPILE_HEADERS).
 function(penumbra_precompile target)
   target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <filesystem> <fmt/format.h> <fmt/ranges.h>
     <fstream> <functional> <glm/glm.hpp> <map> <memory> <numeric> <optional> <set> <span> <string> <vector> ${ARGN})

@@ -55,8 +55,8 @@ std::string path_text(const std::vector<Row>& rows) {
                    {"ms", 7, Align::right},
                    {"error %", 9, Align::right}},
                   screen_width());
-  std::vector<const Row*> all;
-  for (const Row& row : rows) all.push_back(&row);
+  std::vector<const Row*> all(rows.size());
+  std::transform(rows.begin(), rows.end(), all.begin(), [](const Row& row) { return &row; });
   for (const Row& row : rows)
     table.row({row.id.reads_spheres ? std::to_string(row.id.spheres) : "",
                row.id.technique + " " + telling_parameters(row, all), three_digits(row.timing.median_frame_ms()),

@@ -35,7 +35,7 @@ struct ScoreOptions {
 };
 
 std::string checked_name(const ScoreOptions& options) {
-  const std::string name = options.name.empty() ? std::filesystem::path(options.image).stem().string() : options.name;
+  std::string name = options.name.empty() ? std::filesystem::path(options.image).stem().string() : options.name;
   if (const std::string fault = name_fault(name); !fault.empty()) throw Error("--name {}", fault);
   return name;
 }
