@@ -59,6 +59,7 @@ std::vector<std::string> complaints(const std::vector<Row>& rows, int width) {
   for (const Row& row : rows)
     if (!row.ok()) ++counts[row.status];
   std::vector<std::pair<int, std::string>> sorted;
+  sorted.reserve(counts.size());
   for (const auto& [status, count] : counts) sorted.emplace_back(-count, status);
   std::sort(sorted.begin(), sorted.end());
   std::vector<std::string> lines;

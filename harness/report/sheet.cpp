@@ -35,7 +35,7 @@ std::string error_text(const Row& row) {
 }
 
 std::string figures(const Row& row) {
-  const std::string error = error_text(row);
+  std::string error = error_text(row);
   if (row.timing.frame_ms.empty()) return error;
   return three_digits(row.timing.median_frame_ms()) + " ms" + (error.empty() ? "" : ", " + error);
 }

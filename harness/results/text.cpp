@@ -54,7 +54,7 @@ std::string first_letter(const std::string& text) {
   return text.empty() ? "" : text.substr(0, letter_size(text, 0));
 }
 
-std::string without_last_letter(std::string text) {
+std::string without_last_letter(const std::string& text) {
   std::size_t last = 0;
   for (std::size_t at = 0; at < text.size(); at += letter_size(text, at)) last = at;
   return text.substr(0, last);

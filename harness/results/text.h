@@ -15,7 +15,7 @@ std::string cut_to_columns(const std::string& text, int columns);
 std::string first_letter(const std::string& text);
 
 /// The text without its last letter.
-std::string without_last_letter(std::string text);
+std::string without_last_letter(const std::string& text);
 
 /// Three significant digits without an exponent: "1234", "123", "12.3", "0.0123".
 std::string three_digits(double value);
