@@ -29,7 +29,8 @@ LatLongImage resampled(const Environment& e) {
     for (int x = 0; x < target.width; ++x) {
       dvec3 sum(0.0);
       for (int k = 0; k < samples * samples; ++k) {
-        const dvec3 d = target.direction(x + (k % samples + 0.5) / samples, y + (k / samples + 0.5) / samples);
+        const int column = k % samples, row = k / samples;
+        const dvec3 d = target.direction(x + (column + 0.5) / samples, y + (row + 0.5) / samples);
         const dvec3 stored(c * d.x - s * d.z, d.y, c * d.z + s * d.x);  // before the rotation
         sum += dvec3(e.radiance[std::size_t(e.cube().texel(stored))]);
       }
