@@ -336,7 +336,7 @@ std::string read_name(TomlReader& file) {
     if (const std::string fault = name_fault(*name); !fault.empty()) file.fail("name", fault);
     return *name;
   }
-  const std::string stem = std::filesystem::path(file.file()).stem().string();
+  std::string stem = std::filesystem::path(file.file()).stem().string();
   if (const std::string fault = name_fault(stem); !fault.empty())
     throw Error("{}: key 'name' is missing, and the file's own name {}", file.where(), fault);
   return stem;
