@@ -30,12 +30,15 @@ std::string two_digits(double value) {
 }
 
 /// What makes up most of the error; the spheres' share can be lessened by more of them.
-std::string parts_text(const Option& option) {
+std::string parts_text(const Option& option, int room) {
   std::string text;
   const double whole = option.row.score.truth_error().value_or(0.0);
   for (const ErrorPart& part : option.parts) {
     if (part.rel_rmse < 0.25 * whole) continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", two_digits(100.0 * part.rel_rmse), part.name);
+    const std::string more =
+        fmt::format("{}{} {}", text.empty() ? "" : ", ", two_digits(100.0 * part.rel_rmse), part.name);
+    if (!text.empty() && columns_of(text + more) > room) break;  // the smaller ones are in the JSON
+    text += more;
   }
   return text;
 }
@@ -75,13 +78,16 @@ std::string table(const Answer& a, int width) {
                    {"error %", 7, Align::right},
                    {"from", width, Align::left}},
                   width);
+  int widest = 0;
+  for (const Option& o : a.options) widest = std::max(widest, columns_of(o.label));
+  const int room = width - std::min(widest, width - 33) - (moves ? 35 : 24);
   bool beyond = false;
   for (std::size_t k = 0; k < std::min(a.options.size(), most_options); ++k) {
     const Option& o = a.options[k];
     if (!o.within && !beyond && k > 0) table.line(fmt::format("not within {}:", a.bound.text()));
     beyond = beyond || !o.within;
     table.row({o.label, milliseconds(o.row), o.moving_ms < 0.0 ? "" : three_digits(o.moving_ms), error_text(o.row),
-               parts_text(o)});
+               parts_text(o, room)});
   }
   return table.text();
 }
@@ -137,7 +143,8 @@ std::string screen_of(const Answer& a, int width) {
   }
   for (const Impossible& i : a.impossible)
     say(fmt::format("Not possible here: {} ({})", fmt::join(i.techniques, ", "), i.reason));
-  for (const std::string& what : a.left_out) say("Left out: " + what);
+  if (!a.left_out.empty()) say(fmt::format("Left out: {}", fmt::join(a.left_out, "; ")));
+  if (a.busy) say("This machine is busy: the times are those of a machine that had other work.");
   if (!a.options.empty()) text += wrapped_command("To see it: " + a.render_line(), width) + "\n";
   say(fmt::format("Scene, and rows of all {} configurations tried ({:.0f} s): {}", a.looks, a.seconds, a.folder));
   return text;
@@ -156,6 +163,8 @@ nlohmann::json to_json(const Answer& a) {
                         {"options", nlohmann::json::array()},
                         {"impossible", nlohmann::json::array()},
                         {"left_out", a.left_out},
+                        {"busy", a.busy},
+                        {"truth_noise", a.truth_noise},
                         {"looks", a.looks},
                         {"seconds", a.seconds},
                         {"render", unbroken(a.render_line())}};

@@ -41,6 +41,8 @@ struct Answer {
   std::vector<std::string> left_out;  ///< what was not tried for want of time
   std::optional<Option> searched;     ///< beside an exhaustive grid: what the search alone would have answered
   std::optional<int> scene_spheres;   ///< that the scene file asks for
+  bool busy = false;                  ///< had the machine more to do than it has cores when the search began?
+  double truth_noise = 0.0;           ///< that the truth was asked for (`penumbra score --noise`)
   int looks = 0;
   double seconds = 0.0;
 

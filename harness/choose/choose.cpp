@@ -182,6 +182,7 @@ class Chooser {
     if (!a.options.empty()) a.rel_noise = a.options.front().row.score.errors.at("truth").rel_noise;
     a.impossible = impossible();
     a.left_out = left_out_;
+    a.truth_noise = truth_noise();
     a.looks = int(trials_.all().size());
     a.seconds = seconds();
     return a;

@@ -153,7 +153,7 @@ std::vector<Option> timed(const std::vector<const Trial*>& candidates, const Tri
     const Scene& scene = trials.context(t->spheres).scene();
     Option option{c.row, label_of(t->variant, t->row), within(c.row, bound), -1.0, parts_of(*t, trials)};
     if (!scene.mesh.empty() && !Animation(scene).deforms())
-      option.moving_ms = moving_ms(*c.technique, scene, c.row.id.threads);
+      option.moving_ms = std::max(moving_ms(*c.technique, scene, c.row.id.threads), c.row.timing.median_frame_ms());
     c.technique.reset();
     options.push_back(std::move(option));
   }

@@ -83,6 +83,13 @@ std::pair<std::string, std::string> light_of(const SceneRequest& request, double
   return {"environment = " + quoted(place), stem_of(name)};
 }
 
+bool has_area(const Mesh& mesh) {
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const uvec3& t) {
+    const dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+    return glm::length(glm::cross(b - a, c - a)) > 1e-12 * glm::dot(b - a, b - a);
+  });
+}
+
 std::string scene_name(const std::string& mesh, const std::string& light) {
   const std::string name = file_name(stem_of(mesh) + "-" + light);
   return name_fault(name).empty() ? name : "mesh-and-light";
@@ -111,7 +118,9 @@ std::string write_scene(const SceneRequest& request, const std::string& folder) 
   Mesh shape;
   const std::string mesh_place = place_of(request.mesh, "mesh", make_shape(request.mesh, shape), "",
                                           (std::string(shape_names) + "; scenes: see `penumbra list`").c_str());
-  vec3 size = bounds(mesh_by_name(request.mesh)).extent();
+  const Mesh mesh = mesh_by_name(request.mesh);
+  if (!has_area(mesh)) throw Error("{}: none of its {} triangles has an area", request.mesh, mesh.triangles.size());
+  vec3 size = bounds(mesh).extent();
   if (request.up == "z") size = {size.x, size.z, size.y};
   double scale = 1.0;
   if (request.height > 0.0) {

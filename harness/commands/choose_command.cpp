@@ -29,7 +29,10 @@ struct ChooseOptions {
 };
 
 Bound bound_of(const ChooseOptions& o) {
-  if (o.error.empty() == o.budget.empty())
+  if (!o.error.empty() && !o.budget.empty())
+    throw Error(
+        "--error and --budget: one bound is allowed; it is the fastest within an error, or the best within a time");
+  if (o.error.empty() && o.budget.empty())
     throw Error(
         "choose needs a bound: either --error 2% (the fastest within it) or --budget 10ms (the best within it)");
   return o.error.empty() ? parse_time_bound(o.budget) : parse_error_bound(o.error);
@@ -38,7 +41,9 @@ Bound bound_of(const ChooseOptions& o) {
 /// The scene that is given, or one that is written for the mesh.
 std::string scene_of(const ChooseOptions& o) {
   if (!names_scene(o.subject)) {
-    std::filesystem::create_directories(o.directory);
+    std::error_code failure;
+    std::filesystem::create_directories(o.directory, failure);
+    if (failure) throw Error("--out {}: cannot be made: {}", o.directory, failure.message());
     return write_scene(o.scene, o.directory);
   }
   const SceneRequest& s = o.scene;
@@ -106,6 +111,7 @@ int choose_technique(ChooseOptions o) {
       answer = choose(o.settings, registry, folder, progress);
     }
     answer.scene_spheres = int(outline.spheres);
+    answer.busy = context.at("busy").get<bool>();
     return finish(o, answer, folder);
   } catch (const Interrupted&) {
     kept();

@@ -231,7 +231,7 @@ Entry make_entry(const std::string& name, Method method, bool simd) {
   }
   entry.knobs = VisibilitySource::knobs();
   if (method != Method::dense) entry.knobs.push_back({"terms", {12, 25, 50, 100, 200, 400, 800}, true});
-  entry.errs_by = method == Method::dense ? "table" : "table and terms";
+  entry.errs_by = method == Method::dense ? "table" : "terms, table";
   if (method == Method::sparse) {
     entry.parameters.push_back(choice_parameter("level", {2, 1}, "levels of V in the light's loop: 1 GPU-I, 2 GPU-II"));
     entry.parameters.push_back(

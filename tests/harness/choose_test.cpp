@@ -233,6 +233,8 @@ TEST_F(NewScenes, MistakesAreSaid) {
     return test::error_of([&] { write_scene(request, folder_.path()); });
   };
   SceneRequest request;
+  request.mesh = folder_.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  EXPECT_NE(fault(request).find("none of its 1 triangles has an area"), std::string::npos) << fault(request);
   request.mesh = "no-such-mesh.obj";
   EXPECT_NE(fault(request).find("no-such-mesh.obj: no such file"), std::string::npos) << fault(request);
   request.mesh = "box", request.light = "no-such.hdr";
