@@ -17,7 +17,7 @@ RUN = RUNS / "latest"
 SCENE = "bunny-city"
 # Figure: run, scenes, rows in the order of the panels.
 FIGURES = {
-    "techniques": ("latest", [SCENE], ["/ray-traced/simd/rays:16/", "/pixel-basis/simd.*visibility:table",
+    "techniques": ("latest", [SCENE], ["/ray-traced/simd/.*/rays:16/", "/pixel-basis/simd.*visibility:table",
                                        "/pixel-basis/simd.*visibility:raster", "/sh-exponentiation/simd"]),
     "soft-shadows": ("soft-shadows", ["soft-random"], ["/pcss/", "/hqepcss/", "/fast-pcss/.*snap_place:corner",
                                                        "/pcss-rotated/.*pattern:vogel", "/moment-shadows/"]),
