@@ -111,7 +111,9 @@ class Chooser {
       ladder.close(*n);
       const double expected = per_sphere * std::pow(double(*n), 1.5);
       if (seconds_now() - begin_ + expected > settings_.patience) {
-        left_out_.push_back(fmt::format("{} spheres, whose fit would take about {:.0f} s (--patience)", *n, expected));
+        left_out_.push_back(
+            per_sphere > 0.0 ? fmt::format("{} spheres, whose fit would take about {:.0f} s (--patience)", *n, expected)
+                             : fmt::format("{} spheres, no time being left (--patience)", *n));
         continue;
       }
       const double begin = seconds();

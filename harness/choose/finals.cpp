@@ -43,7 +43,7 @@ bool within(const Row& row, const Bound& bound) {
 /// Median of three frames in which the mesh twists; one if that takes long.
 double moving_ms(Technique& technique, const Scene& scene, int threads) {
   Scene moving = scene;
-  moving.motion = {Motion::Kind::twist, 0.5f, 16.0f, 16, Carry::rigid, vec3(0.0f)};
+  moving.motion = twist;
   Animation animation(moving);
   std::vector<vec3> image(std::size_t(scene.receivers.size()));
   std::vector<double> samples;

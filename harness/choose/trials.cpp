@@ -7,9 +7,6 @@
 namespace penumbra {
 namespace {
 
-/// Of a scene at rest that is asked to move.
-const Motion twist{Motion::Kind::twist, 0.5f, 16.0f, 16, Carry::rigid, vec3(0.0f)};
-
 /// Receivers along an edge of what is looked at in detail.
 constexpr int few = 32;
 

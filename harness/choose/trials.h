@@ -10,6 +10,9 @@
 
 namespace penumbra {
 
+/// Of a scene at rest that is asked to move.
+inline const Motion twist{Motion::Kind::twist, 0.5f, 16.0f, 16, Carry::rigid, vec3(0.0f)};
+
 /// A configuration that has been shaded once.
 struct Trial {
   Variant variant;
