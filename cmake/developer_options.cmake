@@ -36,7 +36,10 @@ if(PENUMBRA_SANITIZERS)
   target_compile_definitions(penumbra_options INTERFACE HWY_COMPILE_ONLY_STATIC)
   target_compile_options(penumbra_options INTERFACE
     -fsanitize=${PENUMBRA_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer
-    $<$<COMPILE_LANGUAGE:CXX>:-Wno-maybe-uninitialized>) # g++ mistakes instrumented std::function for uninitialised
+    # g++ mistakes instrumented std::function for uninitialised.
+    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>
+    # Highway's emulated vectors convert NaN as processors do; g++ does not look at such casts either.
+    $<$<COMPILE_LANG_AND_ID:CXX,Clang>:-fno-sanitize=float-cast-overflow>)
   target_link_options(penumbra_options INTERFACE -fsanitize=${PENUMBRA_SANITIZERS})
 endif()
 
@@ -47,6 +50,10 @@ if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
       CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
+
+# clang writes the time of every header into a precompiled one and refuses it when they differ, as ccache's copies do.
+target_compile_options(penumbra_options INTERFACE
+  "$<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 
 # penumbra_library(name SOURCES ... LINK ...): a static library with our options.
 function(penumbra_library name)

@@ -15,7 +15,7 @@ struct CudaProbe {
   int least = 0;       ///< capability that the kernels are built for, at least
 };
 
-/// Empty if kernels can run.
+/// Why kernels cannot run, in a few words; empty if they can.
 inline std::string why_unavailable(const CudaProbe& p) {
   const auto version = [](int v) { return std::to_string(v / 1000) + "." + std::to_string(v % 1000 / 10); };
   const auto capability = [](int c) { return std::to_string(c / 10) + "." + std::to_string(c % 10); };

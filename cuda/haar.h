@@ -108,22 +108,28 @@ struct FunctionalSpans {
   Span<const float> level2;       ///< [slot][channel][16]
 };
 
-/// This thread's part of a functional of V: a coefficient of level 1 and the block at its place, in turn.
-template <class V>
-__device__ vec3 apply_functional(const FunctionalSpans& f, std::size_t which, const V& v) {
+/// This thread's part of a functional of V: a coefficient of level 1 and the block at its place, in turn. Three
+/// channels for a normal; or for any, nine, channel by channel and axis by axis.
+template <bool any_normal, class V>
+__device__ vec3 apply_functional(const FunctionalSpans& f, std::size_t which, vec3 normal, const V& v) {
+  constexpr unsigned axes = any_normal ? 3 : 1, channels = 3 * axes;
   const unsigned size = 6 * unsigned(v.blocks_per_face());
   vec3 sum(0.0f);
+  const auto add = [&](unsigned channel, float value) {
+    sum[int(channel / axes)] += any_normal ? normal[int(channel % axes)] * value : value;
+  };
   for (unsigned k = threadIdx.x; k < size; k += blockDim.x) {
     const float value = v.level1[k];
-    for (unsigned c = 0; c < 3; ++c) sum[int(c)] += f.level1[(which * 3 + c) * size + k] * value;
-    tally(6);
+    for (unsigned c = 0; c < channels; ++c) add(c, f.level1[(which * channels + c) * size + k] * value);
+    tally(float(2 * channels));
     const unsigned block = v.blocks[k];
     const std::int32_t slot = f.slot[which * size + k];
     if (slot < 0 || block == 0 || block == 0xffff) continue;
     for (int entry = 1; entry < 16; ++entry) {
       const auto row = float(v.table.at(block, entry));
-      for (unsigned c = 0; c < 3; ++c) sum[int(c)] += f.level2[unsigned(slot) * 48 + c * 16 + unsigned(entry)] * row;
-      tally(6);
+      for (unsigned c = 0; c < channels; ++c)
+        add(c, f.level2[(unsigned(slot) * channels + c) * 16 + unsigned(entry)] * row);
+      tally(float(2 * channels));
     }
   }
   return sum;

@@ -4,8 +4,8 @@
 //   namespace penumbra::PENUMBRA_CUDA_NAMESPACE    around it: `cuda` on the device, `cuda_on_host` on the host
 //   Span<T>                                        for device memory, PENUMBRA_SHARED(T, name, n) for shared memory
 //   atomic_add(array, i, value)                    for atomics on either
-//   tally(n)                                       beside the inner loops: n floating-point operations; free on the
-//   device PENUMBRA_UNROLL                                before loops over arrays that belong in registers
+//   tally(n)                                       beside inner loops: n floating-point operations, free on a device
+//   PENUMBRA_UNROLL                                before loops over arrays that belong in registers
 //   launch(stream, PENUMBRA_KERNEL(f), blocks, threads, arguments...)
 //
 // Blocks and grids are one-dimensional; blocks are whole warps.
@@ -31,15 +31,14 @@ inline unsigned blocks_for(std::size_t count, unsigned threads) {
   return unsigned((count + threads - 1) / threads);
 }
 
-/// The same sum in every lane.
+/// Sum over the 32 lanes of a warp, the same in every lane. All of them call it.
 template <class T>
 __device__ T warp_sum(T value) {
   for (unsigned step = warp_lanes / 2; step > 0; step /= 2) value += __shfl_xor_sync(all_lanes, value, step);
   return value;
 }
 
-/// Sum over a block of `warps` warps, in every thread of it; `scratch` holds a value a warp. All threads must come
-/// here.
+/// Sum over a block of `warps` warps, in every thread of it; `scratch` holds a value a warp. All its threads call it.
 template <class Shared>
 __device__ float block_sum(float value, Shared scratch, unsigned warps) {
   value = warp_sum(value);

@@ -7,6 +7,7 @@
 #include "cuda/register_cuda.h"
 #include "cuda/runtime.h"
 #include "cuda/workloads.h"
+#include "techniques/all.h"
 
 namespace {
 
@@ -51,12 +52,15 @@ int main(int argc, char** argv) {
     return 2;
   }
   const int repetitions = argc > 2 ? std::atoi(argv[2]) : 20;
-  if (cuda_context().empty()) {
-    std::fprintf(stderr, "kernel_times: %s\n", cuda_status().c_str());
+  Registry registry;
+  register_techniques(registry);
+  register_cuda(registry);
+  const BackendState& device = registry.states().at(Backend::cuda);
+  if (!device.available()) {
+    std::fprintf(stderr, "kernel_times: %s\n", device.status.c_str());
     return 2;
   }
   nlohmann::json rows = nlohmann::json::array();
-  const Registry registry = make_registry();
   for_each_workload(registry, 1024, [&](const Entry& entry, const Parameters& parameters, const Scene& scene) {
     const auto technique = make_technique(entry, parameters);
     technique->prepare(scene);
@@ -68,6 +72,6 @@ int main(int argc, char** argv) {
       rows.push_back(row);
     }
   });
-  const nlohmann::json out = {{"context", cuda_context()}, {"peaks", peaks()}, {"kernels", rows}};
+  const nlohmann::json out = {{"context", device.context()}, {"peaks", peaks()}, {"kernels", rows}};
   std::ofstream(argv[1]) << out.dump(1) << "\n";
 }

@@ -1,49 +1,23 @@
-// The techniques that have kernels: one line each, with the name that the registry knows and what makes it.
+// How the files of kernels reach the registry. `generated/kernel_list.h` is made by CMake from the list of those files.
 #pragma once
 
-#include <memory>
+#include <map>
+#include <string>
 
 #include "techniques/registry.h"
 
-#define PENUMBRA_CUDA_TECHNIQUES(USE)              \
-  USE("pixel-basis", make_pixel_basis)             \
-  USE("wavelet", make_wavelet)                     \
-  USE("wavelet-product", make_wavelet_product)     \
-  USE("wavelet-dense", make_wavelet_dense)         \
-  USE("sh-lighting", make_sh_lighting)             \
-  USE("sh-exponentiation", make_sh_exponentiation) \
-  USE("pcss", make_pcss)                           \
-  USE("hqepcss", make_hqepcss)                     \
-  USE("fast-pcss", make_fast_pcss)
-
 namespace penumbra {
 
-#define PENUMBRA_DECLARE(name, make) std::unique_ptr<Technique> make(const Parameters& parameters);
-namespace cuda {  // on the device
-PENUMBRA_CUDA_TECHNIQUES(PENUMBRA_DECLARE)
-}
-namespace cuda_on_host {  // executed on the host, in tests
-PENUMBRA_CUDA_TECHNIQUES(PENUMBRA_DECLARE)
-}
-#undef PENUMBRA_DECLARE
+/// Makers of the CUDA backend, by technique.
+using Makers = std::map<std::string, decltype(Entry::make)>;
 
-using Maker = std::function<std::unique_ptr<Technique>(const Parameters&)>;
+/// Every file of kernels defines add_FILE(Makers&): `makers["my-technique"] = maker<MyTechniqueOnDevice>();`.
+#define PENUMBRA_DECLARE(file) void add_##file(Makers& makers);
+#define PENUMBRA_CALL(file) add_##file(makers);
 
-/// Parameters that only the device has.
-inline std::vector<Parameter> device_parameters(const std::string& name) {
-  if (!name.starts_with("wavelet")) return {};
-  return {choice_parameter("kernels", {"fused", "separate"},
-                           "one kernel, or the paper's three: merge spheres, transform, multiply")};
-}
-
-/// The entry of a technique's kernels: its scalar twin's but for the backend and device_parameters().
-inline Entry cuda_entry(const Registry& registry, const std::string& name, Maker make, const std::string& unavailable) {
-  Entry entry = registry.find(name, "scalar");
-  for (Parameter& p : device_parameters(name)) entry.parameters.push_back(std::move(p));
-  entry.backend = "cuda";
-  entry.make = std::move(make);
-  entry.unavailable = unavailable;
-  return entry;
-}
+/// Adds the entries of the CUDA backend: each its scalar twin's but for backend, maker and Kernels::parameters. Without
+/// makers (kernels are not built) all are unavailable. Throws std::logic_error if the makers are not those of the
+/// entries that have kernels.
+void add_cuda_entries(Registry& registry, const Makers& makers, const std::string& unavailable);
 
 }  // namespace penumbra

@@ -5,17 +5,9 @@
 namespace penumbra {
 
 void register_cuda(Registry& registry) {
-#define PENUMBRA_ADD(name, make) registry.add(cuda_entry(registry, name, nullptr, cuda_status()));
-  PENUMBRA_CUDA_TECHNIQUES(PENUMBRA_ADD)
-#undef PENUMBRA_ADD
-}
-
-std::string cuda_status() {
-  return "not built (configure with the preset cuda)";
-}
-
-std::map<std::string, std::string> cuda_context() {
-  return {};
+  const std::string reason = "not built (configure with the preset cuda)";
+  registry.set_state(Backend::cuda, {reason, {}});
+  add_cuda_entries(registry, {}, reason);
 }
 
 }  // namespace penumbra

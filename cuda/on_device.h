@@ -126,11 +126,11 @@ class OnDevice : public Scalar {
   }
 
  protected:
-  /// What the frame changed, to the device. The scalar class has taken it in already.
+  /// Brings to the device what the frame changed. The scalar class has taken it in already.
   virtual void upload(const Changes& changed) = 0;
-  /// All kernels of a frame. Captured into a graph that lives until the next change.
+  /// Launches all kernels of a frame. They are captured into a graph that lives until the next change.
   virtual void queue() = 0;
-  /// In device memory, receivers and radiance left out.
+  /// Bytes in device memory, without those of receivers and radiance.
   virtual Footprint device_bytes() const = 0;
 
   ReceiverSpans receivers() const { return receivers_on_device_.spans(); }

@@ -34,7 +34,7 @@ __global__ void __launch_bounds__(receiver_threads)
     shade_pixels(VisibilitySpans v, ReceiverSpans receivers, Span<const LightTexel> light, Span<vec3> radiance) {
   PENUMBRA_SHARED(std::uint32_t, blocked, most_words);
   PENUMBRA_SHARED(int, entry, from == From::table ? receiver_threads : 1);
-  PENUMBRA_SHARED(Cap, cap, from == From::raster ? receiver_threads : 1);
+  PENUMBRA_SHARED(Cap, cap, receiver_threads);
   PENUMBRA_SHARED(std::uint64_t, touched, receiver_threads);
   PENUMBRA_SHARED(float, sums, receiver_warps);
   const std::size_t i = blockIdx.x;
@@ -61,6 +61,7 @@ class PixelBasisOnDevice final : public OnDevice<PixelBasis> {
     visibility_on_device_.upload(stream_, visibility_, changed);
     if (!changed.light) return;
     std::vector<LightTexel> texels;
+    texels.reserve(std::size_t(light_.size()));
     for (int t = 0; t < light_.size(); ++t)
       texels.push_back({light_.directions[t], light_.radiance[t] * (light_.solid_angle[t] * float(1.0 / pi))});
     texels_.upload(stream_, texels);
@@ -87,8 +88,8 @@ class PixelBasisOnDevice final : public OnDevice<PixelBasis> {
   Buffer<LightTexel> texels_;
 };
 
-std::unique_ptr<Technique> make_pixel_basis(const Parameters& p) {
-  return std::make_unique<PixelBasisOnDevice>(p);
+void add_pixel_basis(Makers& makers) {
+  makers["pixel-basis"] = maker<PixelBasisOnDevice>();
 }
 
 }  // namespace penumbra::PENUMBRA_CUDA_NAMESPACE

@@ -7,8 +7,14 @@
 #include "cuda/availability.h"
 #include "cuda/kernels.h"
 #include "cuda/runtime.h"
+#include "generated/kernel_list.h"
 
 namespace penumbra {
+
+namespace cuda {
+PENUMBRA_KERNELS(PENUMBRA_DECLARE)
+}
+
 namespace {
 
 CudaProbe ask_driver() {
@@ -51,22 +57,7 @@ std::string ask_tool(const std::string& query) {
   return text;
 }
 
-}  // namespace
-
-void register_cuda(Registry& registry) {
-  const std::string unavailable = why_unavailable(probe());
-#define PENUMBRA_ADD(name, make) registry.add(cuda_entry(registry, name, cuda::make, unavailable));
-  PENUMBRA_CUDA_TECHNIQUES(PENUMBRA_ADD)
-#undef PENUMBRA_ADD
-}
-
-std::string cuda_status() {
-  const std::string unavailable = why_unavailable(probe());
-  return unavailable.empty() ? "available: " + probe().name : unavailable;
-}
-
-std::map<std::string, std::string> cuda_context() {
-  if (!why_unavailable(probe()).empty()) return {};
+std::map<std::string, std::string> device_context() {
   const int capability = probe().capability;
   return {{"cuda_device", probe().name},
           {"cuda_capability", std::to_string(capability / 10) + "." + std::to_string(capability % 10)},
@@ -76,6 +67,20 @@ std::map<std::string, std::string> cuda_context() {
           {"cuda_clocks_most_sm_memory", ask_tool("clocks.max.sm,clocks.max.mem")},
           {"cuda_throttling", ask_tool("clocks_throttle_reasons.active")},
           {"cuda_temperature_power", ask_tool("temperature.gpu,power.draw")}};
+}
+
+}  // namespace
+
+void register_cuda(Registry& registry) {
+  const std::string unavailable = why_unavailable(probe());
+  Makers makers;
+  {
+    using namespace cuda;  // NOLINT: where the files of kernels are
+    PENUMBRA_KERNELS(PENUMBRA_CALL)
+  }
+  add_cuda_entries(registry, makers, unavailable);
+  if (unavailable.empty()) registry.set_state(Backend::cuda, {"available: " + probe().name, device_context});
+  else registry.set_state(Backend::cuda, {unavailable, {}});
 }
 
 }  // namespace penumbra

@@ -32,7 +32,7 @@ class Buffer {
   }
   ~Buffer() { release(data_); }
 
-  /// Contents are lost if it grows. Throws DeviceError where memory runs out.
+  /// Makes room for so many elements; contents are lost if it grows. Throws DeviceError where memory runs out.
   void resize(std::size_t count) {
     if (count > capacity_) {
       release(data_);
@@ -42,13 +42,13 @@ class Buffer {
     }
     size_ = count;
   }
-  /// `values` may go when this returns: what is not pinned is staged first.
+  /// Copies all to the device. `values` may go when this returns: what is not pinned is staged first.
   void upload(const Stream& stream, std::span<const T> values) {
     resize(values.size());
     copy_to_device(stream, data_, values.data(), values.size_bytes());
   }
   void upload(const Stream& stream, const std::vector<T>& values) { upload(stream, std::span<const T>(values)); }
-  /// Waits for the stream.
+  /// Copies all to the host, and waits for the stream.
   void download(const Stream& stream, T* to) const {
     copy_to_host(stream, to, data_, size_ * sizeof(T));
     stream.wait();

@@ -39,7 +39,7 @@ class Event {
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
   void record(const Stream& stream);
-  /// Waits for the later one.
+  /// Time between two events. Waits for the later one.
   static double milliseconds(const Event& from, const Event& to);
 
  private:
@@ -74,7 +74,7 @@ class Graph {
     }
     replay(stream);
   }
-  /// Arguments have changed: the next run() captures anew.
+  /// For changed arguments: the next run() captures anew.
   void forget() noexcept;
 
  private:

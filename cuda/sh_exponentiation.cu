@@ -57,6 +57,8 @@ __device__ void add_logarithm(const Span<const float>& rows, const WeightedSpher
   tally(30 + 6 * order + 4 * order * order);
 }
 
+// Occupancy of accumulate_logarithms: the sum of logarithms and the basis at one axis stay in registers, as in
+// exponentiate.
 template <int order>
 __global__ void __launch_bounds__(threads)
     accumulate_logarithms(PlaceSpans places, ReceiverSpans receivers, Span<const float> rows, bool replace,
@@ -154,6 +156,8 @@ __device__ void by_powers(bool exact, int terms, float dc, float* f) {
 }
 
 /// Visibility from its logarithm, in place. `powers`: by a power series, else by the linear fit.
+// Occupancy of exponentiate: a function and its square, or function, power and product, stay in registers; arithmetic
+// in independent chains hides its own latency, and shared memory in their place would be read for every operation.
 template <int order, bool powers>
 __global__ void __launch_bounds__(threads)
     exponentiate(bool exact, int terms, float tau, FitSpans fit, std::size_t count, Span<float> values) {
@@ -213,6 +217,7 @@ __device__ void reflect_by_table(const Span<const float>& by_normal, vec3 normal
 }
 
 /// counts: values that were not finite, and values that were clamped.
+// Occupancy of shade_visibility: the product of visibility and cosine lobe stays in registers, as in exponentiate.
 template <int order>
 __global__ void __launch_bounds__(threads)
     shade_visibility(PlaceSpans places, ReceiverSpans receivers, Span<const float> values, ReflectionRows rows,
@@ -321,8 +326,8 @@ class ShExponentiationOnDevice final : public OnDevice<sh_exponentiation::ShExpo
   Buffer<unsigned> counts_on_device_;
 };
 
-std::unique_ptr<Technique> make_sh_exponentiation(const Parameters& p) {
-  return std::make_unique<ShExponentiationOnDevice>(p);
+void add_sh_exponentiation(Makers& makers) {
+  makers["sh-exponentiation"] = maker<ShExponentiationOnDevice>();
 }
 
 }  // namespace penumbra::PENUMBRA_CUDA_NAMESPACE

@@ -129,7 +129,7 @@ class ShLightingOnDevice final : public OnDevice<sh_lighting::ShLighting> {
 
   /// Rows of the host to [channel][coefficient][receiver].
   void upload_transfer() {
-    const std::size_t count = receiver_count(), size = std::size_t(order_ * order_);
+    const std::size_t count = receiver_count(), size = std::size_t(order_) * std::size_t(order_);
     std::vector<float> values(3 * size * count);
     for (std::size_t i = 0; i < count; ++i)
       for (int c = 0; c < 3; ++c)
@@ -164,8 +164,8 @@ class ShLightingOnDevice final : public OnDevice<sh_lighting::ShLighting> {
   Buffer<std::uint32_t> blocked_;
 };
 
-std::unique_ptr<Technique> make_sh_lighting(const Parameters& p) {
-  return std::make_unique<ShLightingOnDevice>(p);
+void add_sh_lighting(Makers& makers) {
+  makers["sh-lighting"] = maker<ShLightingOnDevice>();
 }
 
 }  // namespace penumbra::PENUMBRA_CUDA_NAMESPACE

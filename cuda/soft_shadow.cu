@@ -3,14 +3,16 @@
 // neighbours share a result, those that find one are gathered first, so that whole warps have work.
 #include "cuda/kernels.h"
 #include "cuda/soft_shadow_kernels.h"
+#include "techniques/pcss/pcss.h"
 
 namespace penumbra::PENUMBRA_CUDA_NAMESPACE {
 
-class SoftShadowOnDevice final : public OnDevice<pcss::SoftShadow> {
+class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
  public:
-  SoftShadowOnDevice(const Parameters& p, const SoftOptions& options) : OnDevice(p, options, true) {}
+  using OnDevice::OnDevice;
 
   std::vector<Stage> stages() const override {  // the host's rays, then the device
+    // NOLINTNEXTLINE(bugprone-parent-virtual-call): both are wanted
     std::vector<Stage> all = SoftShadow::stages(), device = OnDevice::stages();
     all.insert(all.end(), device.begin(), device.end());
     return all;
@@ -20,7 +22,7 @@ class SoftShadowOnDevice final : public OnDevice<pcss::SoftShadow> {
   void find_unshadowed(const LampOutline&, int, int, float*) const override {}  // by a kernel
   void map_changed() override {
     if (options_.multi_scale && samples_.stride() != map_.stride())
-      samples_ = pcss::LeafSamples(pcss::make_sample_image(), map_);
+      samples_ = pcss::LeafSamples(shadow_map::make_sample_image(), map_);
   }
 
   void upload(const Changes& changed) override {
@@ -138,7 +140,7 @@ class SoftShadowOnDevice final : public OnDevice<pcss::SoftShadow> {
   int largest_ = 0;
   Buffer<float> depth_, bounds_, means_, kernel_on_device_;
   Buffer<std::int32_t> sample_offsets_;
-  Buffer<pcss::Projected> at_;
+  Buffer<shadow_map::Projected> at_;
   Buffer<Square> square_;
   Buffer<float> width_, blocker_, visibility_, unshadowed_on_device_;
   Buffer<float> value_, weight_, value_between_, weight_between_;
@@ -146,14 +148,10 @@ class SoftShadowOnDevice final : public OnDevice<pcss::SoftShadow> {
   Buffer<unsigned> gathered_;
 };
 
-std::unique_ptr<Technique> make_pcss(const Parameters& p) {
-  return std::make_unique<SoftShadowOnDevice>(p, pcss::pcss_options(p));
-}
-std::unique_ptr<Technique> make_hqepcss(const Parameters& p) {
-  return std::make_unique<SoftShadowOnDevice>(p, pcss::hqepcss_options(p));
-}
-std::unique_ptr<Technique> make_fast_pcss(const Parameters& p) {
-  return std::make_unique<SoftShadowOnDevice>(p, pcss::fast_pcss_options(p));
+void add_soft_shadow(Makers& makers) {
+  makers["pcss"] = maker<pcss::Member<SoftShadowOnDevice, pcss::pcss_options>>();
+  makers["hqepcss"] = maker<pcss::Member<SoftShadowOnDevice, pcss::hqepcss_options>>();
+  makers["fast-pcss"] = maker<pcss::Member<SoftShadowOnDevice, pcss::fast_pcss_options>>();
 }
 
 }  // namespace penumbra::PENUMBRA_CUDA_NAMESPACE

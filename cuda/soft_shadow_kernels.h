@@ -7,19 +7,19 @@
 namespace penumbra::PENUMBRA_CUDA_NAMESPACE {
 
 using pcss::Blockers;
-using pcss::LightView;
 using pcss::Region;
 using pcss::SoftOptions;
-using pcss::Square;
 using pcss::Sum;
+using shadow_map::LightView;
+using shadow_map::Square;
 
 constexpr unsigned threads = 128;
 template <class Floats>
 using Levels = pcss::MultiScaleLevels<Floats>;
 
-/// What is known of every receiver, as pcss::Tile.
+/// What is known of every receiver, as shadow_map::Tile.
 struct ReceiverState {
-  Span<pcss::Projected> at;
+  Span<shadow_map::Projected> at;
   Span<float> width;
   Span<Square> square;
   Span<int> link;  ///< receiver whose result this one takes, itself, or -1: lit
@@ -27,7 +27,7 @@ struct ReceiverState {
   std::size_t count;
 };
 
-/// The shadow map, as pcss::ShadowMap, and samples in it.
+/// The shadow map, as shadow_map::ShadowMap, and samples in it.
 struct MapSpans {
   Span<const float> depth;
   Span<const std::int32_t> samples;
@@ -39,6 +39,8 @@ struct MapSpans {
     return depth[index(x, y)];
   }
 };
+
+// NOLINTBEGIN(misc-definitions-in-headers): this header is a part of soft_shadow.cu, which alone reads it
 
 // --- the multi-scale map ---------------------------------------------------------------------------------------------
 
@@ -72,14 +74,14 @@ __device__ inline void take_region(const ReceiverState& r, std::size_t i, const 
 }
 
 __global__ void __launch_bounds__(threads)
-    search_regions(LightView view, Levels<Span<const float>> levels, SoftOptions options, float bias,
+    search_regions(LightView view, Levels<Span<const float>> levels, SoftOptions options, shadow_map::Bias bias,
                    ReceiverSpans receivers, ReceiverState r) {
   const std::size_t i = global_thread();
   if (i >= r.count) return;
-  const pcss::Projected at =
-      pcss::project(view, bias, receivers.position[i], receivers.normal[i], receivers.touches[i] != 0);
+  const shadow_map::Projected at =
+      shadow_map::project(view, bias, receivers.position[i], receivers.normal[i], receivers.touches[i] != 0);
   r.at[i] = at;
-  take_region(r, i, pcss::search_region(view, levels, options, at.x, at.y, at.depth));
+  take_region(r, i, pcss::search_region(view, levels, options, at));
   tally(options.refine ? 120 : 60);
 }
 
@@ -96,10 +98,8 @@ __global__ void __launch_bounds__(threads)
   const std::size_t i = global_thread();
   if (i >= r.count) return;
   const int from = representative(links, i);
-  const pcss::Projected at = r.at[i];
   const Region region =
-      from < 0 ? Region()
-               : pcss::filter_region(view, largest, options, at.x, at.y, at.depth, r.blocker[std::size_t(from)]);
+      from < 0 ? Region() : pcss::filter_region(view, largest, options, r.at[i], r.blocker[std::size_t(from)]);
   take_region(r, i, region);
   tally(40);
 }
@@ -117,8 +117,7 @@ __global__ void __launch_bounds__(threads)
   const bool left_inside = x % how.area != 0, up_inside = y % how.area != 0;
   if (r.link[i] < 0 || (how.literal && !(left_inside && up_inside))) return;
   const auto key = [&](int k) {
-    const pcss::Projected at = r.at[std::size_t(k)];
-    return pcss::region_key(at.x, at.y, r.width[std::size_t(k)], r.square[std::size_t(k)], at.depth);
+    return pcss::region_key(r.at[std::size_t(k)], r.width[std::size_t(k)], r.square[std::size_t(k)]);
   };
   const auto shares = [&](bool inside, int other) {
     tally(20);
@@ -182,20 +181,21 @@ __device__ Blockers traverse(const Levels<Span<const float>>& levels, const Squa
 
 template <Sum how, bool depths>
 __device__ Blockers blockers_in(const MapSpans& map, const Levels<Span<const float>>& levels, int tree_depth,
-                                const pcss::Projected& at, float width, const Square& square) {
+                                const shadow_map::Projected& at, float width, const Square& square) {
+  const float d = shadow_map::blocking_depth(at.depth, at.rise, width);
   if constexpr (how == Sum::texels) {
-    return pcss::blockers_of_texels<float>(map, pcss::texels_of(at.x, at.y, width), at.depth);
+    return pcss::blockers_of_texels<float>(map, shadow_map::texels_of(at.x, at.y, width), d);
   } else {
     const int leaf_level = square.level > tree_depth ? square.level - tree_depth : 0;
     const auto rule = [&](const Square& leaf, const pcss::DepthRange& range) {
       if constexpr (how == Sum::nearest) {
         return pcss::nearest_leaf(leaf, range);
       } else {
-        tally(float(3 * pcss::SampleImage::count(leaf.edge())));
-        return pcss::sampled_leaf(map, map.depth, map.samples, leaf, at.depth);
+        tally(float(3 * shadow_map::SampleImage::count(leaf.edge())));
+        return pcss::sampled_leaf(map, map.depth, map.samples, leaf, d);
       }
     };
-    return traverse<depths>(levels, square, leaf_level, at.depth, rule);
+    return traverse<depths>(levels, square, leaf_level, d, rule);
   }
 }
 
@@ -218,10 +218,10 @@ __global__ void __launch_bounds__(threads)
   const unsigned k = global_thread();
   if (k >= count[0]) return;
   const auto i = std::size_t(list[k]);
-  const pcss::Projected at = r.at[i];
+  const shadow_map::Projected at = r.at[i];
   const Square square = r.square[i];
   const float blocked = blockers_in<how, false>(map, levels, tree_depth, at, r.width[i], square).count;
-  const float all = how == Sum::texels ? float(pcss::texels_of(at.x, at.y, r.width[i]).count())
+  const float all = how == Sum::texels ? float(shadow_map::texels_of(at.x, at.y, r.width[i]).count())
                                        : float(square.edge() * square.edge());
   r.visibility[i] = 1.0f - blocked / all;
 }
@@ -271,4 +271,5 @@ __global__ void __launch_bounds__(threads) compose(ReceiverSpans receivers, Span
   tally(7);
 }
 
+// NOLINTEND(misc-definitions-in-headers)
 }  // namespace penumbra::PENUMBRA_CUDA_NAMESPACE

@@ -4,6 +4,7 @@
 //                     what passes between them lies in device memory. `wavelet` multiplies with the paper's loops over
 //                     the kept terms, a thread a term.
 //   kernels=fused:    one kernel; V never leaves shared memory, and the loops are merged into a functional of V.
+// Where there are more than a few normals both multiply with the light's nine functions (wavelet/haar_lighting.h).
 #include "techniques/wavelet/wavelet.h"
 
 #include "cuda/haar.h"
@@ -15,11 +16,36 @@ using wavelet::Term;
 
 constexpr unsigned most_blocks = 6 * 256, most_means = 6 * 341;  // n = 64
 
-/// What depends on a receiver's normal: which plan, and the lines above the plan's horizon.
+/// What depends on a receiver's normal: which plan, and the lines above the plan's horizon. Kernels for any normal do
+/// without: they have one functional, and hide what lies below the receiver's own horizon.
 struct PlanSpans {
   Span<const std::uint16_t> plan_of;
   Span<const std::uint64_t> active;
 };
+
+/// Fills words with what spheres block, and for any normal with what lies below the horizon.
+template <From from, bool any_normal>
+__device__ void find_hidden(const VisibilitySpans& v, const BlockedScratch& scratch, const ReceiverSpans& receivers,
+                            const PlanSpans& plans, std::size_t i, const SharedSpan<std::uint32_t>& words) {
+  const vec3 normal = receivers.normal[i];
+  std::uint64_t active;
+  if constexpr (any_normal) active = active_lines(v, normal);
+  else active = plans.active[plans.plan_of[i]];
+  find_blocked<from>(v, scratch, receivers.position[i], active, receivers.on_occluder[i] != 0, words);
+  if constexpr (any_normal) {
+    const Cap below{-normal, 0.0f};
+    for (unsigned w = threadIdx.x; w < v.words(); w += receiver_threads)
+      words[w] |= active >> (w / words_per_line) & 1u ? cap_word(v, below, w) : ~0u;
+  }
+  __syncthreads();
+}
+
+/// Which functional is the receiver's.
+template <bool any_normal>
+__device__ unsigned functional_of(const PlanSpans& plans, std::size_t i) {
+  if constexpr (any_normal) return 0u;
+  else return plans.plan_of[i];
+}
 
 /// Writes albedo * (sum over the block).
 __device__ inline void write_sum(vec3 part, const SharedSpan<float>& scratch, vec3 albedo, vec3& out) {
@@ -30,13 +56,13 @@ __device__ inline void write_sum(vec3 part, const SharedSpan<float>& scratch, ve
 
 // --- one kernel ------------------------------------------------------------------------------------------------------
 
-template <From from>
+template <From from, bool any_normal>
 __global__ void __launch_bounds__(receiver_threads)
     shade_wavelets(VisibilitySpans spheres, ReceiverSpans receivers, PlanSpans plans, FunctionalSpans functionals,
                    BinaryTableSpan table, Span<vec3> radiance) {
   PENUMBRA_SHARED(std::uint32_t, blocked, most_words);
   PENUMBRA_SHARED(int, entry, from == From::table ? receiver_threads : 1);
-  PENUMBRA_SHARED(Cap, cap, from == From::raster ? receiver_threads : 1);
+  PENUMBRA_SHARED(Cap, cap, receiver_threads);
   PENUMBRA_SHARED(std::uint64_t, touched, receiver_threads);
   // The table exists up to n = 32.
   PENUMBRA_SHARED(std::uint16_t, blocks, from == From::table ? most_blocks / 4 : most_blocks);
@@ -48,14 +74,12 @@ __global__ void __launch_bounds__(receiver_threads)
     if (threadIdx.x == 0) radiance[i] = vec3(0.0f);
     return;
   }
-  const unsigned plan = plans.plan_of[i];
-  find_blocked<from>(spheres, {entry, cap, touched}, receivers.position[i], plans.active[plan],
-                     receivers.on_occluder[i] != 0, blocked);
-  __syncthreads();
+  find_hidden<from, any_normal>(spheres, {entry, cap, touched}, receivers, plans, i, blocked);
   const TwoLevelVisibility<SharedSpan<float>, SharedSpan<std::uint16_t>> v{spheres.n, level1, means, blocks, table};
   find_blocks(blocked, v);
   transform_means(v);
-  write_sum(apply_functional(functionals, plan, v), sums, receivers.albedo[i], radiance[i]);
+  write_sum(apply_functional<any_normal>(functionals, functional_of<any_normal>(plans, i), receivers.normal[i], v),
+            sums, receivers.albedo[i], radiance[i]);
 }
 
 // --- the paper's three -----------------------------------------------------------------------------------------------
@@ -75,19 +99,17 @@ struct StoredVisibility {
 };
 
 /// Receiver first + k, k the block.
-template <From from>
+template <From from, bool any_normal>
 __global__ void __launch_bounds__(receiver_threads)
     merge_spheres_of(VisibilitySpans spheres, ReceiverSpans receivers, PlanSpans plans, std::size_t first,
                      StoredVisibility store) {
   PENUMBRA_SHARED(std::uint32_t, blocked, most_words);
   PENUMBRA_SHARED(int, entry, from == From::table ? receiver_threads : 1);
-  PENUMBRA_SHARED(Cap, cap, from == From::raster ? receiver_threads : 1);
+  PENUMBRA_SHARED(Cap, cap, receiver_threads);
   PENUMBRA_SHARED(std::uint64_t, touched, receiver_threads);
   const std::size_t i = first + blockIdx.x;
   if (!receivers.valid(i)) return;
-  find_blocked<from>(spheres, {entry, cap, touched}, receivers.position[i], plans.active[plans.plan_of[i]],
-                     receivers.on_occluder[i] != 0, blocked);
-  __syncthreads();
+  find_hidden<from, any_normal>(spheres, {entry, cap, touched}, receivers, plans, i, blocked);
   for (unsigned w = threadIdx.x; w < spheres.words(); w += receiver_threads)
     store.words[blockIdx.x * spheres.words() + w] = blocked[w];
 }
@@ -109,6 +131,7 @@ struct TermSpans {
 };
 
 /// The paper's loops: a third of the threads a channel, a thread terms in turn.
+// Occupancy of multiply_terms: 64 registers in blocks of 6 warps leave room for 5 blocks, 47 %; held to 56 it spills.
 __global__ void __launch_bounds__(receiver_threads)
     multiply_terms(ReceiverSpans receivers, PlanSpans plans, std::size_t first, StoredVisibility store,
                    BinaryTableSpan table, FunctionSpans lobes, FunctionSpans lights, TermSpans terms,
@@ -139,6 +162,7 @@ __global__ void __launch_bounds__(receiver_threads)
   write_sum(part, sums, receivers.albedo[i], radiance[i]);
 }
 
+template <bool any_normal>
 __global__ void __launch_bounds__(receiver_threads)
     multiply_functional(int n, ReceiverSpans receivers, PlanSpans plans, std::size_t first, StoredVisibility store,
                         BinaryTableSpan table, FunctionalSpans functionals, Span<vec3> radiance) {
@@ -148,86 +172,56 @@ __global__ void __launch_bounds__(receiver_threads)
     if (threadIdx.x == 0) radiance[i] = vec3(0.0f);
     return;
   }
-  write_sum(apply_functional(functionals, plans.plan_of[i], store.of(blockIdx.x, n, table)), sums, receivers.albedo[i],
-            radiance[i]);
+  write_sum(apply_functional<any_normal>(functionals, functional_of<any_normal>(plans, i), receivers.normal[i],
+                                         store.of(blockIdx.x, n, table)),
+            sums, receivers.albedo[i], radiance[i]);
 }
 
 // --- the technique ---------------------------------------------------------------------------------------------------
 
-using wavelet::Method;
+/// With functionals of V; what a member does otherwise it overrides.
+template <class Scalar>
+class WaveletOnDevice : public OnDevice<Scalar> {
+  using Base = OnDevice<Scalar>;
 
-class WaveletOnDevice final : public OnDevice<wavelet::Wavelet> {
  public:
-  WaveletOnDevice(const Parameters& p, Method method, const std::string& name)
-      : OnDevice(p, method, name), fused_(p.text("kernels") == "fused"), visibility_on_device_(visibility_) {}
+  explicit WaveletOnDevice(const Parameters& p)
+      : Base(p), fused_(p.text("kernels") == "fused"), visibility_on_device_(this->visibility_) {}
 
  protected:
+  using Base::n_, Base::plan_of_, Base::stream_, Base::radiance_, Base::receivers, Base::receiver_count;
+  static constexpr std::size_t chunk = 16384;  // receivers whose V is stored at a time: 80 MB at n = 32
+
   void upload(const Changes& changed) override {
-    visibility_on_device_.upload(stream_, visibility_, changed);
-    if (!few())
-      throw Unsupported("the device keeps plans for " + std::to_string(most_plans) +
-                        " normals, but the receivers have more: use normals=table");
+    visibility_on_device_.upload(stream_, this->visibility_, changed);
     if (table_.size() == 0) upload_table();
-    if (changed.receivers || changed.light) upload_plans();
+    if (changed.receivers || changed.light) {
+      plan_index_.upload(stream_, plan_of_.index), active_on_device_.upload(stream_, this->active_);
+      upload_plans();
+    }
     if (!fused_ && changed.receivers) resize_store();
   }
 
   void queue() override {
-    if (visibility_on_device_.from() == From::table) queue_from<From::table>();
-    else queue_from<From::raster>();
+    const bool table = visibility_on_device_.from() == From::table;
+    if (this->few()) return table ? queue_from<From::table, false>() : queue_from<From::raster, false>();
+    table ? queue_from<From::table, true>() : queue_from<From::raster, true>();
   }
 
   Footprint device_bytes() const override {
     Footprint bytes = visibility_on_device_.bytes();
     bytes.tables += table_.bytes();
-    bytes.per_scene += plan_index_.bytes() + active_.bytes() + functional_level1_.bytes() + slot_.bytes() +
-                       functional_level2_.bytes() + p_.bytes() + p_means_.bytes() + light_coefficients_.bytes() +
-                       light_means_.bytes() + p_terms_.bytes() + light_terms_.bytes();
+    bytes.per_scene += plan_index_.bytes() + active_on_device_.bytes() + functional_level1_.bytes() + slot_.bytes() +
+                       functional_level2_.bytes();
     bytes.per_frame += words_.bytes() + level1_.bytes() + means_.bytes() + blocks_.bytes();
     return bytes;
   }
 
- private:
-  static constexpr std::size_t chunk = 16384;  // receivers whose V is stored at a time: 80 MB at n = 32
-
-  bool by_terms() const { return !fused_ && method_ == Method::sparse; }
-
-  void upload_table() {
-    std::vector<std::int8_t> entries;
-    for (unsigned block = 0; block < 65536; ++block)
-      entries.insert(entries.end(), haar::binary_table()[block], haar::binary_table()[block] + 16);
-    table_.upload(stream_, entries);
-  }
-
-  void upload_plans() {
-    plan_index_.upload(stream_, plan_of_.index);
-    std::vector<std::uint64_t> active;
-    for (const wavelet::Plan& plan : plans_) active.push_back(plan.active);
-    active_.upload(stream_, active);
-    if (by_terms()) upload_functions();
-    else upload_functionals();
-  }
-
-  void upload_functions() {
-    std::vector<float> p, p_means, light, light_means;
-    std::vector<Term> p_terms, light_terms;
-    const auto append = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
-    for (const wavelet::Plan& plan : plans_)
-      append(p, plan.p.coefficients), append(p_means, plan.p.means), append(p_terms, plan.kept_p);
-    for (int c = 0; c < 3; ++c) {
-      append(light, light_.channel[c].coefficients), append(light_means, light_.channel[c].means);
-      append(light_terms, light_.kept[c]);
-    }
-    p_.upload(stream_, p), p_means_.upload(stream_, p_means), p_terms_.upload(stream_, p_terms);
-    light_coefficients_.upload(stream_, light), light_means_.upload(stream_, light_means);
-    light_terms_.upload(stream_, light_terms);
-  }
-
-  void upload_functionals() {
+  virtual void upload_plans() {
     std::vector<float> level1, level2;
     std::vector<std::int32_t> slots;
-    for (const wavelet::Functional& f : make_functionals()) {
-      const auto first = std::int32_t(level2.size() / 48);
+    for (const wavelet::Functional& f : this->make_functionals()) {
+      const auto first = std::int32_t(level2.size() / std::size_t(f.channels * 16));
       for (const auto& channel : f.level1) level1.insert(level1.end(), channel.begin(), channel.end());
       for (const std::int32_t slot : f.slot) slots.push_back(slot < 0 ? slot : first + slot);
       level2.insert(level2.end(), f.level2.begin(), f.level2.end());
@@ -236,63 +230,111 @@ class WaveletOnDevice final : public OnDevice<wavelet::Wavelet> {
     functional_level2_.upload(stream_, level2);
   }
 
+  /// The last of the paper's kernels, for `blocks` receivers from `first` on.
+  virtual void queue_product(unsigned blocks, std::size_t first, const StoredVisibility& store) {
+    const auto run = [&](const auto& kernel) {
+      launch(stream_, kernel, blocks, receiver_threads, n_, receivers(), plans(), first, store, table(), functionals(),
+             radiance_.span());
+    };
+    this->few() ? run(PENUMBRA_KERNEL(multiply_functional<false>)) : run(PENUMBRA_KERNEL(multiply_functional<true>));
+  }
+
+  PlanSpans plans() const { return {plan_index_.span(), active_on_device_.span()}; }
+  BinaryTableSpan table() const { return {table_.span()}; }
+
+  const bool fused_;
+
+ private:
+  FunctionalSpans functionals() const { return {functional_level1_.span(), slot_.span(), functional_level2_.span()}; }
+
+  void upload_table() {
+    std::vector<std::int8_t> entries;
+    for (unsigned block = 0; block < 65536; ++block)
+      entries.insert(entries.end(), haar::binary_table()[block], haar::binary_table()[block] + 16);
+    table_.upload(stream_, entries);
+  }
+
   void resize_store() {
-    const std::size_t count = std::min(chunk, receiver_count()), texels = std::size_t(all_);
+    const std::size_t count = std::min(chunk, receiver_count()), texels = std::size_t(this->all_);
     words_.resize(count * texels / 32);
     level1_.resize(count * texels / 16), blocks_.resize(count * texels / 16);
     means_.resize(count * 6 * std::size_t(haar::pyramid_size(haar::levels_of(n_ / 4))));
   }
 
-  FunctionalSpans functionals() const { return {functional_level1_.span(), slot_.span(), functional_level2_.span()}; }
-
-  template <From from>
+  template <From from, bool any_normal>
   void queue_from() {
-    const BinaryTableSpan table{table_.span()};
-    const PlanSpans plans{plan_index_.span(), active_.span()};
     const VisibilitySpans& spheres = visibility_on_device_.spans();
     if (fused_)
-      return launch(stream_, PENUMBRA_KERNEL(shade_wavelets<from>), unsigned(receiver_count()), receiver_threads,
-                    spheres, receivers(), plans, functionals(), table, radiance_.span());
+      return launch(stream_, PENUMBRA_KERNEL((shade_wavelets<from, any_normal>)), unsigned(receiver_count()),
+                    receiver_threads, spheres, receivers(), plans(), functionals(), table(), radiance_.span());
     const StoredVisibility store{words_.span(), level1_.span(), means_.span(), blocks_.span()};
     for (std::size_t first = 0; first < receiver_count(); first += chunk) {
       const auto blocks = unsigned(std::min(chunk, receiver_count() - first));
-      launch(stream_, PENUMBRA_KERNEL(merge_spheres_of<from>), blocks, receiver_threads, spheres, receivers(), plans,
-             first, store);
+      launch(stream_, PENUMBRA_KERNEL((merge_spheres_of<from, any_normal>)), blocks, receiver_threads, spheres,
+             receivers(), plans(), first, store);
       launch(stream_, PENUMBRA_KERNEL(transform_visibility), blocks, receiver_threads, n_, receivers(), first, store,
-             table);
-      if (by_terms())
-        launch(stream_, PENUMBRA_KERNEL(multiply_terms), blocks, receiver_threads, receivers(), plans, first, store,
-               table, FunctionSpans{n_, p_.span(), p_means_.span()},
-               FunctionSpans{n_, light_coefficients_.span(), light_means_.span()},
-               TermSpans{p_terms_.span(), light_terms_.span(), unsigned(terms_), levels_}, radiance_.span());
-      else
-        launch(stream_, PENUMBRA_KERNEL(multiply_functional), blocks, receiver_threads, n_, receivers(), plans, first,
-               store, table, functionals(), radiance_.span());
+             table());
+      queue_product(blocks, first, store);
     }
   }
 
-  bool fused_;
   DeviceVisibility visibility_on_device_;
   Buffer<std::int8_t> table_;
   Buffer<std::uint16_t> plan_index_;
-  Buffer<std::uint64_t> active_;
+  Buffer<std::uint64_t> active_on_device_;
   Buffer<float> functional_level1_, functional_level2_;
   Buffer<std::int32_t> slot_;
-  Buffer<float> p_, p_means_, light_coefficients_, light_means_;
-  Buffer<Term> p_terms_, light_terms_;
   Buffer<std::uint32_t> words_;
   Buffer<float> level1_, means_;
   Buffer<std::uint16_t> blocks_;
 };
 
-std::unique_ptr<Technique> make_wavelet(const Parameters& p) {
-  return std::make_unique<WaveletOnDevice>(p, Method::sparse, "wavelet");
-}
-std::unique_ptr<Technique> make_wavelet_product(const Parameters& p) {
-  return std::make_unique<WaveletOnDevice>(p, Method::product, "wavelet-product");
-}
-std::unique_ptr<Technique> make_wavelet_dense(const Parameters& p) {
-  return std::make_unique<WaveletOnDevice>(p, Method::dense, "wavelet-dense");
+/// kernels=separate multiplies with the paper's loops.
+class SparseOnDevice final : public WaveletOnDevice<wavelet::Wavelet> {
+ public:
+  using WaveletOnDevice::WaveletOnDevice;
+
+ protected:
+  void upload_plans() override {
+    if (fused_ || !few()) return WaveletOnDevice::upload_plans();
+    std::vector<float> p, p_means, light, light_means;
+    std::vector<Term> p_terms, light_terms;
+    const auto append = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+    for (const wavelet::SparsePlan& plan : plans_)
+      append(p, plan.p.coefficients), append(p_means, plan.p.means), append(p_terms, plan.kept);
+    for (int c = 0; c < 3; ++c) {
+      append(light, channel_[c].coefficients), append(light_means, channel_[c].means);
+      append(light_terms, kept_[c]);
+    }
+    p_.upload(stream_, p), p_means_.upload(stream_, p_means), p_terms_.upload(stream_, p_terms);
+    light_coefficients_.upload(stream_, light), light_means_.upload(stream_, light_means);
+    light_terms_.upload(stream_, light_terms);
+  }
+
+  void queue_product(unsigned blocks, std::size_t first, const StoredVisibility& store) override {
+    if (!few()) return WaveletOnDevice::queue_product(blocks, first, store);
+    launch(stream_, PENUMBRA_KERNEL(multiply_terms), blocks, receiver_threads, receivers(), plans(), first, store,
+           table(), FunctionSpans{n_, p_.span(), p_means_.span()},
+           FunctionSpans{n_, light_coefficients_.span(), light_means_.span()},
+           TermSpans{p_terms_.span(), light_terms_.span(), unsigned(keep_.terms), levels_}, radiance_.span());
+  }
+
+  Footprint device_bytes() const override {
+    Footprint bytes = WaveletOnDevice::device_bytes();
+    bytes.per_scene += p_.bytes() + p_means_.bytes() + light_coefficients_.bytes() + light_means_.bytes() +
+                       p_terms_.bytes() + light_terms_.bytes();
+    return bytes;
+  }
+
+ private:
+  Buffer<float> p_, p_means_, light_coefficients_, light_means_;
+  Buffer<Term> p_terms_, light_terms_;
+};
+
+void add_wavelet(Makers& makers) {
+  makers["wavelet"] = maker<SparseOnDevice>();
+  makers["wavelet-product"] = maker<WaveletOnDevice<wavelet::WaveletProduct>>();
+  makers["wavelet-dense"] = maker<WaveletOnDevice<wavelet::WaveletDense>>();
 }
 
 }  // namespace penumbra::PENUMBRA_CUDA_NAMESPACE

@@ -1,13 +1,11 @@
-// What kernels are counted and timed on: every technique with kernels, its default parameters and each other choice
-// that runs other kernels, on one scene of 128 x 128 receivers under an environment and one view of 1024 x 1024 under a
-// lamp.
+// What kernels are counted and timed on: every technique with kernels, its default parameters and its own workloads
+// (Kernels::workloads), on a scene of 128 x 128 receivers under an environment or a view of 1024 x 1024 under a lamp.
 #pragma once
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "scenes/scene_file.h"
-#include "scenes/unsupported.h"
 #include "techniques/registry.h"
 
 namespace penumbra {
@@ -31,32 +29,12 @@ void for_each_workload(const Registry& registry, int edge, const F& f) {
   const Scene environment = middle_of(load_scene("torus-knot-sunset"), edge),
               lamp = middle_of(load_scene("soft-random"), edge);
   for (const Entry& entry : registry.entries()) {
-    if (entry.backend != "cuda") continue;
+    if (entry.backend != Backend::cuda) continue;
     const Parameters usual = Parameters().resolve(entry.parameters, entry.title());
     const Scene& scene = entry.lights.environment ? environment : lamp;
     f(entry, usual, scene);
-    for (const Parameter& p : entry.parameters) {
-      std::vector<ParameterValue> others;
-      for (const char* name : {"visibility", "kernels", "level", "exponential", "search", "filter"})
-        if (p.name == name) others = p.allowed;
-      if (p.name == "order")
-        for (int order = int(p.low); order <= int(p.high); ++order) others.emplace_back(order);
-      for (const ParameterValue& value : others) {
-        if (value == p.fallback || value == ParameterValue("rays")) continue;
-        Parameters parameters = usual;
-        parameters.set(p.name, value);
-        f(entry, parameters, scene);
-        // Kernels that two parameters choose together.
-        if (p.name == "order" && parameters.all().contains("exponential")) {
-          parameters.set("exponential", std::string("exact"));
-          f(entry, parameters, scene);
-        }
-        if (p.name == "kernels") {
-          parameters.set("visibility", std::string("raster"));
-          f(entry, parameters, scene);
-        }
-      }
-    }
+    for (const Parameters& given : entry.kernels->workloads)
+      f(entry, given.resolve(entry.parameters, entry.title()), scene);
   }
 }
 
@@ -68,7 +46,10 @@ inline std::string readable_kernel(std::string name, const Parameters& parameter
   };
   if (name.front() == '(') name = name.substr(1, name.size() - 2);
   if (parameters.all().contains("order")) replace("<order", "<" + std::to_string(parameters.integer("order")));
-  if (parameters.all().contains("visibility")) replace("<from>", "<" + parameters.text("visibility") + ">");
+  if (parameters.all().contains("visibility")) {
+    const std::string from = parameters.text("visibility") == "raster" ? "raster" : "table";
+    replace("<from", "<" + from), replace(", any_normal", "");
+  }
   replace("From::", ""), replace("Sum::", "");
   return name;
 }

@@ -12,15 +12,15 @@ namespace penumbra {
 /// affine: by the least-squares affine motion, that is, as a fixed weighted sum of the vertices
 enum class Carry { rigid, affine };
 
-/// Every vertex belongs to the sphere whose surface it is nearest to, inside counting as negative distance. Spheres
-/// that get fewer than four follow the twelve vertices nearest to their surface.
+/// Moves spheres along. Every vertex belongs to the sphere whose surface it is nearest to, inside counting as negative
+/// distance. Spheres that get fewer than four follow the twelve vertices nearest to their surface.
 class SphereCarrier {
  public:
   SphereCarrier() = default;
   SphereCarrier(const Mesh& rest, const SphereSet& set, Carry carry);
 
-  /// Writes the centres that belong to the deformed mesh; same vertices as at rest. The same bits for any number of
-  /// threads.
+  /// Writes the centres that belong to the deformed mesh, whose vertices are those at rest, moved. The bits do not
+  /// depend on the number of threads.
   void move(const Mesh& deformed, SphereSet& out) const;
 
  private:

@@ -13,10 +13,10 @@ struct Chromaticities {
 };
 
 inline constexpr Chromaticities rec709{{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
-/// Those of Radiance's RGB (Ward, "Radiance file formats"); white has equal energy.
+/// The primaries of Radiance's RGB (Ward, "Radiance file formats"); white has equal energy.
 inline constexpr Chromaticities radiance_primaries{{0.64, 0.33}, {0.29, 0.60}, {0.15, 0.06}, {1.0 / 3, 1.0 / 3}};
 
-/// From eight numbers in the order of the members.
+/// Chromaticities from eight numbers: x and y of red, green, blue and white.
 Chromaticities chromaticities_from(const double (&xy)[8]);
 std::string to_string(const Chromaticities& primaries);
 
@@ -26,7 +26,8 @@ glm::dmat3 xyz_from_rgb(const Chromaticities& primaries);
 /// Linear RGB of one set of primaries to that of another; white stays white (Bradford adaptation, as in ICC profiles).
 glm::dmat3 convert_primaries(const Chromaticities& from, const Chromaticities& to);
 
-/// That conversion changes nothing by more than 0.2 %: rounded digits, or the same primaries seen under another white.
+/// Does the conversion change nothing by more than 0.2 %? So it is with rounded digits, or the same primaries seen
+/// under another white.
 bool same_colours(const Chromaticities& a, const Chromaticities& b);
 
 /// Shares of linear red, green and blue in luminance; they sum to 1.
@@ -36,6 +37,6 @@ dvec3 luminance_weights(const Chromaticities& primaries);
 vec3 rgb_from_chroma(float y, float ry, float by, dvec3 weights);
 
 float srgb_encode(float linear);   ///< IEC 61966-2-1
-float srgb_decode(float encoded);  ///< its inverse
+float srgb_decode(float encoded);  ///< IEC 61966-2-1
 
 }  // namespace penumbra

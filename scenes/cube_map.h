@@ -59,8 +59,8 @@ PENUMBRA_HD inline int cube_face(vec3 d, float& s, float& t) {
 
 /// Row or column of a face coordinate in [-1, 1].
 PENUMBRA_HD inline int cube_coordinate(float s, int n) {
-  const int i = static_cast<int>((s + 1.0f) * (0.5f * float(n)));
-  return i < 0 ? 0 : (i >= n ? n - 1 : i);
+  const float at = (s + 1.0f) * (0.5f * float(n));
+  return at >= float(n) ? n - 1 : at > 0.0f ? int(at) : 0;  // 0 for NaN, too
 }
 
 /// Number of the texel that contains a direction (of any length).

@@ -20,11 +20,11 @@ struct LatLongMapping {
   int texel(dvec3 direction) const;
 };
 
-/// The same for a cube map stored as a column of six faces: y = face * n + row.
+/// Continuous texel coordinates <-> directions of a cube map stored as a column of six faces: y = face * n + row.
 struct CubeMapping {
   int n;
   dvec3 direction(double x, double y) const;
-  double solid_angle(double x0, double x1, double y0, double y1) const;
+  double solid_angle(double x0, double x1, double y0, double y1) const;  ///< sr
   int texel(dvec3 direction) const;
 };
 
@@ -59,12 +59,11 @@ enum class Layout { automatic, lat_long, vertical_cross, horizontal_strip, angul
 
 /// Loads .exr, .hdr and whatever else OpenImageIO reads, as load_image does. `automatic` goes by what the file says,
 /// and else by the proportions: 2:1 latitude-longitude, 3:4 vertical cross (-Z in the middle, seen from inside), 6:1
-/// strip
-/// (+X -X +Y -Y +Z -Z with OpenGL's axes); square angular maps (Debevec 1998; centre -Z) must be named. Bad texels are
-/// sanitised with a warning that counts them.
+/// strip (+X -X +Y -Y +Z -Z with OpenGL's axes); square angular maps (Debevec 1998; centre -Z) must be named. Bad
+/// texels are sanitised with a warning that counts them. Throws Error naming the file.
 Environment load_environment(const std::string& path, Layout layout = Layout::automatic, const std::string& layer = "");
 
-/// Same from an image in memory; `what` names it in errors.
+/// The environment that an image in memory shows, as load_environment() reads it; `what` names it in errors.
 Environment environment_from_image(Image image, Layout layout, const std::string& what);
 
 /// "constant" (radiance 1), "sun-sky", "lamps" (eight small lamps on a dim ambient), "softbox" (one

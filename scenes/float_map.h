@@ -8,7 +8,7 @@
 namespace penumbra {
 
 /// A header of three lines ("PF", width and height, -1.0 for little-endian), then the floats of R, G and B, lowest row
-/// first. Written beside the target and renamed. Throws Error if it cannot be written. load_image() reads it.
+/// first. Written atomically. Throws Error if it cannot be written. load_image() reads it.
 void save_pfm(const std::string& path, const Image& image);
 
 }  // namespace penumbra

@@ -7,21 +7,19 @@
 #include "scenes/colour.h"
 #include "scenes/error.h"
 #include "scenes/image_input.h"
+#include "scenes/storage/atomic_write.h"
 
 namespace penumbra {
 namespace {
 
 void write(const std::string& path, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type, const void* data) {
-  namespace fs = std::filesystem;
-  const fs::path target(path);
-  // The extension chooses the format, so it stays last.
-  const fs::path partial = target.parent_path() / (".partial-" + target.filename().string());
-  if (target.has_parent_path()) fs::create_directories(target.parent_path());
-  auto output = OIIO::ImageOutput::create(partial.string());
-  if (!output) throw Error("{}: no image format for this extension ({})", path, OIIO::geterror());
-  if (!output->open(partial.string(), spec) || !output->write_image(type, data) || !output->close())
-    throw Error("{}: cannot be written ({})", path, output->geterror());
-  fs::rename(partial, target);
+  if (const std::filesystem::path target(path); target.has_parent_path()) make_folder(target.parent_path().string());
+  write_atomically(path, [&](const std::string& temporary) {
+    auto output = OIIO::ImageOutput::create(temporary);
+    if (!output) throw Error("{}: no image format for this extension ({})", path, OIIO::geterror());
+    if (!output->open(temporary, spec) || !output->write_image(type, data) || !output->close())
+      throw Error("{}: cannot be written ({})", path, output->geterror());
+  });
 }
 
 }  // namespace

@@ -34,14 +34,15 @@ struct ChannelImage {
 /// damaged, or holds what is no picture.
 Image load_image(const std::string& path, const std::string& layer = "");
 
-/// All channels as they are. Throws Error if the file is missing, truncated or not an image.
+/// All channels of a file as they are. Throws Error if the file is missing, truncated or not an image.
 ChannelImage load_channels(const std::string& path);
 
-/// Writes beside the target and renames, so that a reader never sees half a file. Throws Error on failure.
+/// Writes atomically, into a folder that is made if need be. Throws Error on failure.
 void save_channels(const std::string& path, const ChannelImage& image);
 void save_exr(const std::string& path, const Image& image);
 
-/// 8-bit sRGB from linear [0, 1]; values outside are clipped. Atomic as above.
+/// Writes linear [0, 1] as 8-bit sRGB, values outside clipped; atomically, into a folder that is made if need be.
+/// Throws Error on failure.
 void save_png(const std::string& path, const Image& image);
 
 }  // namespace penumbra

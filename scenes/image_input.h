@@ -12,9 +12,9 @@ namespace penumbra {
 
 class ImageInput {
  public:
-  /// Colours that the file keeps apart from alpha stay so. Throws Error if the file is missing or no image.
+  /// Opens a file; colours that it keeps apart from alpha stay so. Throws Error if the file is missing or no image.
   explicit ImageInput(const std::string& path);
-  /// A Radiance picture in memory; `path` names it in errors.
+  /// Opens a Radiance picture in memory; `path` names it in errors.
   ImageInput(const std::string& path, std::string bytes);
 
   const OIIO::ImageSpec& spec() const { return spec_; }

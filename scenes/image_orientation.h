@@ -8,11 +8,11 @@ namespace penumbra {
 struct Orientation {
   bool columns = false;        ///< a stored row is a column of the picture
   bool right_to_left = false;  ///< the first stored pixel is on the right
-  bool bottom_to_top = false;  ///< ... is at the bottom
+  bool bottom_to_top = false;  ///< the first stored pixel is at the bottom
   bool operator==(const Orientation&) const = default;
 };
 
-/// TIFF's and Exif's numbers, 1 to 8; others are 1.
+/// The orientation that TIFF and Exif call by a number, 1 to 8; other numbers mean 1.
 inline Orientation orientation_from_exif(int number) {
   if (number < 1 || number > 8) return {};
   const bool right = number == 2 || number == 3 || number == 6 || number == 7;

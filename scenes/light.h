@@ -20,11 +20,11 @@ struct AreaLight {
   vec3 radiance{1.0f};
 
   double area() const;  ///< m^2
-  vec3 point(float u,
-             float v) const;  ///< equal areas of [0, 1]^2 are equal areas of the light (disc: concentric_disc())
+  /// Point of the light for (u, v) in [0, 1]^2; equal areas there are equal areas of the light (disc: concentric_disc).
+  vec3 point(float u, float v) const;
 };
 
-/// Edges or normal of any length. Parallel edges and a radius of 0 make a lamp without area, which gives no light.
+/// Lamps with edges or a normal of any length. Parallel edges and a radius of 0 make one without area or light.
 AreaLight make_rectangle(vec3 centre, vec3 edge_u, vec3 edge_v, vec3 radiance);
 AreaLight make_disc(vec3 centre, vec3 normal, float radius, vec3 radiance);
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#include "cuda/host_device.h"
+#include "scenes/host_device.h"
 
 namespace penumbra {
 

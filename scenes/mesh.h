@@ -24,12 +24,11 @@ struct Mesh {
   bool empty() const { return triangles.empty(); }
 };
 
-/// Box around the positions that belong to triangles; zero box for an empty mesh.
+/// Box around the positions that belong to triangles; a box of size 0 at the origin for an empty mesh.
 Bounds bounds(const Mesh& mesh);
 Box<dvec3> bounds(const ImportedMesh& mesh);
 
-/// Unit normal of the surface at each vertex: the area-weighted mean of the triangles around; zero where there are
-/// none.
+/// Unit normal of the surface at each vertex: the area-weighted mean of the triangles around; zero where none are.
 std::vector<vec3> geometric_normals(const Mesh& mesh);
 /// What a vertex is shaded with: the mesh's own normal, or else the geometric one.
 std::vector<vec3> vertex_normals(const Mesh& mesh);
@@ -41,6 +40,7 @@ dvec3 local_origin(dvec3 centre, double size);
 /// The mesh in float, about an origin; without one, about one of its own.
 Mesh narrowed(const ImportedMesh& mesh, dvec3 origin);
 Mesh narrowed(const ImportedMesh& mesh);
+/// The mesh in double, counted from zero.
 ImportedMesh widened(const Mesh& mesh);
 
 /// Triangles that are so small beside their distance from the origin that float rounds their corners by more than a

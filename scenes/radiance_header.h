@@ -20,13 +20,13 @@ struct RadianceHeader {
   std::size_t size = 0;  ///< bytes up to the first pixel
 };
 
-/// Begins as Radiance's pictures do: with "#?", or with lines of text among which is their FORMAT.
+/// Do the bytes begin as Radiance's pictures do: with "#?", or with lines of text among which is their FORMAT?
 bool is_radiance_picture(const std::string& bytes);
 
-/// Throws Error that names `path` and the line which cannot be understood.
+/// Reads the header. Throws Error that names `path` and the line which cannot be understood.
 RadianceHeader read_radiance_header(const std::string& bytes, const std::string& path);
 
-/// The pixels under a header that says no more than their number.
+/// The picture's bytes with a header that says only how many pixels there are: what OpenImageIO reads.
 std::string plain_radiance_picture(const RadianceHeader& header, const std::string& bytes);
 
 }  // namespace penumbra

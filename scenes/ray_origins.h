@@ -5,14 +5,14 @@
 // last place, and the height of a ray's origin over a triangle, which Embree computes from differences of corners and
 // origin: by some units in the last place of the triangle's own size, more for slivers. Nothing else does: not where
 // the scene lies beyond the point's own coordinates, not its unit, not what stands elsewhere (cf. Pharr, Jakob &
-// Humphreys 2016, section 3.9). So a ray starts at least 4 such units above every triangle that it could meet by
-// rounding.
+// Humphreys 2016, section 3.9). So a ray starts at least 4 such units above every triangle that rounding lets it meet.
 #pragma once
 
 #include "scenes/ray_scene.h"
 
 namespace penumbra {
 
+/// Finds the start of a point's rays.
 class RayOrigins {
  public:
   /// `rays` are of the mesh; both must outlive this.

@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "scenes/error.h"
+#include "scenes/tree_decay.h"
 
 namespace penumbra {
 namespace {
@@ -100,11 +101,13 @@ void fill(const RayPacket& packet, int count, RTCRay16& rays, int* valid) {
     float sum = 0.0f;
     for (int c = 0; c < 3; ++c) sum += packet.origin[c][i] + packet.direction[c][i];
     valid[i] = i < count && sum - sum == 0.0f ? -1 : 0;  // infinite or not a number: the difference is no number
+    // Where Embree has no packets of 16 it splits them, and looks at the interval alone.
+    if (!valid[i]) rays.tnear[i] = 1.0f, rays.tfar[i] = 0.0f;
   }
 }
 
 struct MeshBuffers {
-  const vec3* positions = nullptr;
+  vec3* positions = nullptr;
   const uvec3* triangles = nullptr;
 };
 
@@ -142,6 +145,8 @@ struct RayScene::Impl {
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene scene = nullptr;
   MeshBuffers buffers;
+  RTCGeometry moving = nullptr;  ///< a mesh that was moved before; the scene owns it
+  TreeDecay decay;
   std::atomic<ssize_t> bytes{0};
   Impl() {
     if (!device) throw Error("Embree cannot start (error {})", int(rtcGetDeviceError(nullptr)));
@@ -164,6 +169,7 @@ void RayScene::begin(const Bounds& box) {
   if (impl_->scene) rtcReleaseScene(impl_->scene);
   impl_->scene = rtcNewScene(impl_->device);
   impl_->buffers = {};
+  impl_->moving = nullptr;
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);  // no light through the edges between triangles
   box_ = box;
 }
@@ -175,7 +181,15 @@ void RayScene::commit() {
 }
 
 void RayScene::build(const Mesh& mesh) {
+  build(mesh, false);
+}
+
+void RayScene::build(const Mesh& mesh, bool to_be_moved) {
   begin(bounds(mesh));
+  if (to_be_moved) {
+    rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
+    rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_LOW);  // a tree for each mesh: of the mesh's own quality
+  }
   if (!mesh.empty()) {
     RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* positions = static_cast<vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -186,10 +200,24 @@ void RayScene::build(const Mesh& mesh) {
     std::copy(mesh.positions.begin(), mesh.positions.end(), positions);
     std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
     impl_->buffers = {positions, triangles};
+    if (to_be_moved) {
+      rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+      impl_->moving = geometry;
+      impl_->decay = TreeDecay(mesh);
+    }
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(impl_->scene, geometry);
     rtcReleaseGeometry(geometry);
   }
+  commit();
+}
+
+void RayScene::move(const Mesh& mesh) {
+  if (!impl_->moving || !impl_->decay.same_triangles(mesh) || impl_->decay.has_decayed(mesh)) return build(mesh, true);
+  std::copy(mesh.positions.begin(), mesh.positions.end(), impl_->buffers.positions);
+  rtcUpdateGeometryBuffer(impl_->moving, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(impl_->moving);
+  box_ = bounds(mesh);
   commit();
 }
 
@@ -290,7 +318,7 @@ void RayScene::triangles_near(vec3 point, float reach, const std::function<void(
 }
 
 std::size_t RayScene::bytes() const {
-  return std::size_t(std::max<ssize_t>(0, impl_->bytes));
+  return std::size_t(std::max<ssize_t>(0, impl_->bytes)) + impl_->decay.bytes();
 }
 
 bool inside(const RayScene& scene, vec3 point) {

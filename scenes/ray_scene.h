@@ -68,13 +68,16 @@ class RayScene {
 
   /// (Re)builds for a mesh; an empty mesh blocks nothing.
   void build(const Mesh& mesh);
-  /// The same for spheres, exactly; a hit's `triangle` is then the sphere's index among those with a radius.
+  /// As build(), for a mesh whose corners moved: while its triangles stay the same, the tree is kept and its boxes are
+  /// fitted to them, until they have grown too much (scenes/tree_decay.h). The first call builds a tree that can be.
+  void move(const Mesh& mesh);
+  /// (Re)builds for spheres, which are met exactly; a hit's `triangle` is the sphere's index among those with a radius.
   void build(const SphereSet& set);
 
   Hit intersect(vec3 origin, vec3 direction, float near = 0.0f) const;
   /// Is anything between origin and origin + far * direction?
   bool occluded(vec3 origin, vec3 direction, float far) const;
-  /// The same for the first `count` rays of a packet; bit i of the result belongs to ray i.
+  /// Which of the first `count` rays of a packet are occluded; bit i of the result belongs to ray i.
   /// `alike`: they start nearby and point nearly the same way, and are worth a walk together.
   unsigned occluded(const RayPacket& packet, int count, bool alike = false) const;
   /// Distance of the first hit for the first `count` rays of a packet, in lengths of their directions, which need not
@@ -95,6 +98,7 @@ class RayScene {
  private:
   struct Impl;
   void begin(const Bounds& box);
+  void build(const Mesh& mesh, bool to_be_moved);
   void commit();
   std::unique_ptr<Impl> impl_;
   Bounds box_;

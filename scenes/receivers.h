@@ -21,9 +21,9 @@ struct Receivers {
 
   int size() const { return width * height; }
   bool valid(int i) const { return normal[i] != vec3(0.0f); }
-  /// Points that touch nothing need no origins of their own.
+  /// Where rays from point i start: at the point itself if no origins are given.
   vec3 ray_origin(int i) const { return origin.empty() ? position[i] : origin[i]; }
-  /// Where depths of the mesh need a bias. Receivers without contacts of their own touch what they lie on.
+  /// `touches`, or `on_occluder` if that is not given: where depths of the mesh need a bias.
   const std::vector<std::uint8_t>& in_contact() const { return touches.empty() ? on_occluder : touches; }
 };
 
@@ -51,7 +51,7 @@ struct ReceiverSpec {
 /// For receivers that were not made by make_receivers.
 void place_ray_origins(Receivers& r, const std::vector<vec3>& side, const Mesh& mesh, const RayScene& rays);
 
-/// Those that `which` lists, as width x height.
+/// The receivers that `which` lists, as width x height; view depths and all else come along.
 Receivers subset(const Receivers& all, const std::vector<std::size_t>& which, int width, int height);
 
 /// Positions receivers and their rays' origins; camera pixels are found by Embree primary rays through pixel centres.

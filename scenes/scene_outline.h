@@ -13,8 +13,8 @@ struct SceneOutline {
   bool fitted() const { return !objective.empty(); }
 };
 
-/// Of a shipped scene or a file. Only the keys it needs are checked. Throws Error naming file, line and what is
-/// allowed.
+/// Reads a shipped scene or a file, and checks only the keys that it needs. Throws Error naming file, line and what is
+/// allowed there.
 SceneOutline read_outline(const std::string& name_or_path, const SphereChoice& choice = {});
 
 }  // namespace penumbra

@@ -1,7 +1,5 @@
 #include "scenes/sphere_set.h"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "scenes/error.h"
+#include "scenes/storage/atomic_write.h"
+#include "scenes/storage/content_key.h"
 
 namespace penumbra {
 
@@ -65,18 +65,30 @@ SphereList read_spheres(const std::string& path) {
       throw Error("{}: spheres[{}] is {}; expected four finite numbers [x, y, z, radius >= 0]", path, list.size(),
                   item.dump());
   }
+  if (json.contains("checksum") && json["checksum"] != checksum(list))
+    throw Error("{}: the checksum does not match: a number has changed since the file was written", path);
   return list;
 }
 
-void save_spheres(const std::string& path, const SphereSet& set, dvec3 origin) {
+namespace {
+
+nlohmann::json spheres_json(const SphereList& list) {
   nlohmann::json json;
-  for (const glm::dvec4& s : widened(set, origin)) json["spheres"].push_back({s.x, s.y, s.z, s.w});
-  const std::string partial = path + ".partial-" + std::to_string(getpid());
-  std::ofstream out(partial);
-  out << json.dump(1) << '\n';
-  out.close();
-  if (!out) throw Error("{}: cannot be written", path);
-  std::filesystem::rename(partial, path);
+  for (const glm::dvec4& s : list) json["spheres"].push_back({s.x, s.y, s.z, s.w});
+  return json;
+}
+
+}  // namespace
+
+void save_spheres(const std::string& path, const SphereSet& set, dvec3 origin) {
+  write_atomically(path, spheres_json(widened(set, origin)).dump(1) + "\n");
+}
+
+void store_spheres(const std::string& path, const SphereSet& set) {
+  const SphereList list = widened(set, dvec3(0.0));
+  nlohmann::json json = spheres_json(list);
+  json["checksum"] = checksum(list);
+  write_atomically(path, json.dump(1) + "\n");
 }
 
 }  // namespace penumbra

@@ -29,11 +29,14 @@ SphereSet narrowed(const SphereList& list, dvec3 origin);
 SphereList transformed(SphereList list, const Similarity& fit);
 
 /// JSON: {"spheres": [[x, y, z, radius], ...]} in the mesh's own coordinates.
-/// Throws Error naming file and entry if it is malformed, non-finite or a radius is negative.
+/// Throws Error naming file and entry if it is malformed, non-finite or a radius is negative, and if the file has a
+/// checksum that does not match.
 SphereList read_spheres(const std::string& path);
-/// The same of a set that lies near zero.
+/// Reads a set that lies near zero, so that float holds it. Throws as read_spheres().
 SphereSet load_spheres(const std::string& path);
-/// Writes beside the target and renames.
+/// Writes atomically, numbers alone: people may change them. Throws Error on failure.
 void save_spheres(const std::string& path, const SphereSet& set, dvec3 origin = dvec3(0.0));
+/// Writes a set that lies near zero, with a checksum: what the cache keeps, and nobody is to change.
+void store_spheres(const std::string& path, const SphereSet& set);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// What is not wrong, but cannot be. Apart from error.h, whose formatting library CUDA's compiler does not take.
+// What is not wrong, but cannot be. Apart from Error, whose formatting library CUDA's compiler does not take.
 #pragma once
 
 #include <stdexcept>

@@ -17,6 +17,8 @@ import tomllib
 
 import numpy
 
+import results_file
+
 NOISE = 0.003  # of each truth: its standard error relative to its RMS
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
@@ -132,7 +134,7 @@ def check_run(program, folder, case, work):
         return said
     if result.returncode != 0:
         raise Wrong(f"exit code {result.returncode}: {result.stderr.strip()[-300:]}")
-    rows = json.loads((out / "results.json").read_text())["benchmarks"]
+    rows = results_file.read_rows(out)
     for row in rows:
         status = row["status"]
         if status.startswith("failed"):

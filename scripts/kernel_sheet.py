@@ -18,7 +18,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-SOURCES = ["pixel_basis", "wavelet", "sh_lighting", "sh_exponentiation", "soft_shadow"]
 ARCHITECTURES = [75, 80, 90, 120]
 
 # Vendors' data sheets: GB/s of device memory, TFLOP/s of single precision with a multiply-add as two operations.
@@ -28,15 +27,26 @@ DEVICES = {"GeForce 8800 GTX": (86.4, 0.3456), "H100 SXM": (3350.0, 66.9)}
 # Guide, "Compute Capabilities"). All have 65536 registers, given out 256 at a time to a warp.
 LIMITS = {75: (1024, 16, 65536, 0), 80: (2048, 32, 167936, 1024), 90: (2048, 32, 233472, 1024), 120: (1536, 24, 102400, 1024)}
 
-# Why a kernel does not fill half of an sm_80 multiprocessor.
-REASONS = {
-    "multiply_terms": "64 registers in blocks of 6 warps leave room for 5 blocks, 47 %; held to 56 it spills",
-    "exponentiate": "a function and its square, or function, power and product, stay in registers; arithmetic in "
-                    "independent chains hides its own latency, and shared memory in their place would be read for "
-                    "every operation",
-    "shade_visibility": "the product of visibility and cosine lobe stays in registers, as in exponentiate",
-    "accumulate_logarithms": "the sum of logarithms and the basis at one axis stay in registers, as in exponentiate",
-}
+
+def sources():
+    """The files of kernels, from the list that the build makes of cuda/CMakeLists.txt."""
+    return re.findall(r"USE\((\w+)\) ?", (ROOT / "build/release/generated/kernel_list.h").read_text().split(") ", 1)[1])
+
+
+def reasons():
+    """Why a kernel does not fill half of an sm_80 multiprocessor: "// Occupancy of KERNEL: ..." in its source."""
+    found = {}
+    for file in (ROOT / "cuda").glob("*.cu"):
+        for name, text in re.findall(r"^// Occupancy of (\w+): (.*(?:\n// .*)*)", file.read_text(), re.MULTILINE):
+            found[name] = text.replace("\n// ", " ").rstrip(".")
+    return found
+
+
+def enumerators():
+    """{enumeration: its names}, of the enumerations that kernels may have as template arguments."""
+    texts = [file.read_text() for folder in ("cuda", "techniques") for file in (ROOT / folder).rglob("*.h")]
+    return {name: [word.strip() for word in words.split(",")]
+            for text in texts for name, words in re.findall(r"^enum class (\w+) \{ ([\w, ]+) \};", text, re.MULTILINE)}
 
 
 def compile_resources(source, architecture):
@@ -58,12 +68,13 @@ def compile_resources(source, architecture):
     return kernels
 
 
+ENUMERATORS = enumerators()
+
+
 def kernel_name(signature):
     """penumbra::cuda::f<(penumbra::cuda::From)0>(...) as f<table>."""
     name = re.search(r"penumbra::cuda::(\w+(?:<[^>]*>)?)\(", signature)[1]
-    for enum, values in {"cuda::From": ["table", "raster"], "pcss::Sum": ["texels", "nearest", "sampled"]}.items():
-        for k, value in enumerate(values):
-            name = name.replace(f"(penumbra::{enum}){k}", value)
+    name = re.sub(r"\((?:\w+::)+(\w+)\)(\d+)", lambda m: ENUMERATORS[m[1]][int(m[2])], name)
     return name.replace("(int)", "").replace("(bool)0", "false").replace("(bool)1", "true")
 
 
@@ -154,11 +165,12 @@ def markdown(rows, devices, times):
         lines.append("| " + " | ".join(str(c) for c in cells) + " |")
     low = [r for r in rows if r["occupancy sm_80"] < 0.5]
     if low:
+        why = reasons()
         lines += ["", "## Below half occupancy on sm_80", ""]
         for r in low:
-            reason = REASONS.get(r["kernel"].split("<")[0])
+            reason = why.get(r["kernel"].split("<")[0])
             if not reason:
-                sys.exit(f"kernel_sheet: {r['kernel']} has {r['occupancy sm_80']:.0%} occupancy on sm_80 and no reason in REASONS")
+                sys.exit(f"kernel_sheet: {r['kernel']} has {r['occupancy sm_80']:.0%} occupancy on sm_80; say why in its source: // Occupancy of {r['kernel'].split('<')[0]}: ...")
             lines.append(f"- `{r['kernel']}` ({100 * r['occupancy sm_80']:.0f} %): {reason}.")
     return "\n".join(lines) + "\n"
 
@@ -181,8 +193,8 @@ def main():
         subprocess.run([ROOT / "build/release/kernel_counts", args.counts], check=True)
     counts = json.loads(args.counts.read_text())
     with ThreadPoolExecutor(2) as pool:
-        jobs = {(a, s): pool.submit(compile_resources, s, a) for a in ARCHITECTURES for s in SOURCES}
-    resources = {a: {k: v for s in SOURCES for k, v in jobs[a, s].result().items()} for a in ARCHITECTURES}
+        jobs = {(a, s): pool.submit(compile_resources, s, a) for a in ARCHITECTURES for s in sources()}
+    resources = {a: {k: v for s in sources() for k, v in jobs[a, s].result().items()} for a in ARCHITECTURES}
     spilled = [(a, k) for a in ARCHITECTURES for k, v in resources[a].items() if v["spills"]]
     devices = {**DEVICES, **dict(args.device)}
     times = json.loads(args.times.read_text()) if args.times else None

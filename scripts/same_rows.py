@@ -7,16 +7,16 @@ Of several new folders (interleaved runs) and several base folders (--base), med
 of a row differ, or a row is missing.
 """
 import argparse
-import json
 import statistics
 import sys
+
+import results_file
 
 NEW_FIELDS = {"tie"}  # that files of older programs lack
 
 
 def rows_of(folder):
-    with open(folder + "/results.json", encoding="utf-8") as file:
-        return {row["name"]: row for row in json.load(file)["benchmarks"] if row["status"] == "ok"}
+    return {row["name"]: row for row in results_file.read_rows(folder) if row["status"] == "ok"}
 
 
 def errors_of(row):

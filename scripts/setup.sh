@@ -6,14 +6,16 @@ cd "$(dirname "$0")/.."
 
 packages=(
   g++ cmake ninja-build ccache git
-  libbenchmark-dev libgtest-dev libgmock-dev
+  libbenchmark-dev libbenchmark-tools libgtest-dev libgmock-dev
   libembree-dev libtbb-dev libhwy-dev libglm-dev libboost-context-dev libassimp-dev libnlopt-dev libnlopt-cxx-dev libeigen3-dev
   libopenimageio-dev openimageio-tools libopencv-core-dev # OpenImageIO's CMake files name the last two
   fonts-dejavu-core # labels of pictures
-  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libspdlog-dev
+  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libsimdjson-dev libfmt-dev libspdlog-dev
   glmark2-data blender-data # bunny, horse, cat; eight environments
-  clang-format-14 clang-tidy-14
+  libcgal-demo # armadillo, elephant
+  clang-14 libclang-rt-14-dev clang-format-14 clang-tidy-14
   python3 python3-venv
+  valgrind # counts instructions of kernels
 )
 
 missing=()

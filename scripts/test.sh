@@ -5,5 +5,6 @@ cd "$(dirname "$0")/.."
 scripts/setup.sh
 scripts/build.sh release -DPENUMBRA_TESTS=ON
 .venv/bin/python scripts/check_metrics.py
+.venv/bin/python scripts/check_formats.py
 .venv/bin/python scripts/check_renderer_example.py
 ctest --preset release --parallel "$(nproc)" --output-on-failure

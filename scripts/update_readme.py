@@ -1,4 +1,5 @@
-"""Puts the table of a run of the suite `quick` and an answer of `choose` into the README, and draws the docs' figures.
+"""Puts the table of a run of the suite `quick` and an answer of `choose` into the README, the rows measured on devices
+(results/gpu/, by scripts/gpu_check.sh) into docs/cuda.md, and draws the docs' figures.
 
     scripts/bench.sh && build/release/penumbra choose bunny --light city --error 2% && \\
         .venv/bin/python scripts/update_readme.py
@@ -10,6 +11,8 @@ import argparse
 import json
 import pathlib
 import subprocess
+
+import results_file
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RUNS = ROOT / "results" / "runs"
@@ -53,11 +56,37 @@ def table() -> str:
     return f"`{SCENE}`, {context['num_cpus']} cores of one {context['cpu_name']}:\n\n" + "\n".join(lines)
 
 
-def replace_section(name: str, content: str) -> None:
-    readme = ROOT / "README.md"
+def devices() -> str:
+    """One table a device: every cuda row of the suite `cuda` beside the same technique on the host's threads."""
+    texts = []
+    for file in sorted((ROOT / "results/gpu").glob("*/cuda.json")):
+        context = json.loads(file.read_text())["context"]
+        rows = [row for row in results_file.read_rows(file) if row["status"] == "ok"]
+        lines = [f"{context['cuda_device']} (driver {context['cuda_driver']}) beside {context['num_cpus']} cores of one "
+                 f"{context['cpu_name']}, {context['date'][:10]}; all rows: "
+                 f"[results/gpu/{file.parent.name}](../results/gpu/{file.parent.name}).", "",
+                 "| scene | receivers | technique | parameters | cuda ms | host ms | host / cuda | error % |",
+                 "|---|---|---|---|---|---|---|---|"]
+        for row in rows:
+            if row["backend"] != "cuda":
+                continue
+            host = [other for other in rows if other["backend"] == "simd" and
+                    all(other[key] == row[key] for key in ("scene", "technique")) and
+                    all(row["parameters"].get(name) == value for name, value in other["parameters"].items())]
+            told = {k: v for k, v in row["parameters"].items() if v != row["defaults"].get(k) or k == "kernels"}
+            text = " ".join(f"{k}={v}" for k, v in told.items())
+            ms, beside = row["frame_ms"], host[0]["frame_ms"]
+            lines.append(f"| {row['scene']} | {row['receivers']} | {row['technique']} | {text} | {ms:.3g} | {beside:.3g} | "
+                         f"{beside / ms:.2g} | {100 * row['errors']['truth']['rel_rmse']:.3g} |")
+        texts.append("\n".join(lines))
+    return "\n\n".join(texts)
+
+
+def replace_section(page: str, name: str, content: str) -> None:
+    file = ROOT / page
     begin, end = f"<!-- {name}:begin -->\n", f"<!-- {name}:end -->"
-    head, rest = readme.read_text().split(begin)
-    readme.write_text(head + begin + content + "\n" + end + rest.split(end)[1])
+    head, rest = file.read_text().split(begin)
+    file.write_text(head + begin + content + "\n" + end + rest.split(end)[1])
 
 
 def main() -> None:
@@ -67,10 +96,13 @@ def main() -> None:
     figures(only)
     if only:
         return
-    replace_section("table", table())
+    replace_section("docs/cuda.md", "devices", devices())
+    if not RUN.exists():
+        return
+    replace_section("README.md", "table", table())
     screen = RUNS / "choose" / "choice.txt"
     if screen.exists():
-        replace_section("choose", f"```\n{screen.read_text().strip()}\n```")
+        replace_section("README.md", "choose", f"```\n{screen.read_text().strip()}\n```")
 
 
 if __name__ == "__main__":

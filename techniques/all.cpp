@@ -1,25 +1,31 @@
-// One line per technique.
-#include "cuda/register_cuda.h"
-#include "techniques/pcss/pcss.h"
-#include "techniques/pixel_basis/pixel_basis.h"
-#include "techniques/ray_traced/ray_traced.h"
-#include "techniques/registry.h"
-#include "techniques/sh_exponentiation/sh_exponentiation.h"
-#include "techniques/sh_lighting/sh_lighting.h"
-#include "techniques/wavelet/wavelet.h"
+// The list of techniques: one line each, the name of its register function.
+#include "techniques/all.h"
+
+#define PENUMBRA_TECHNIQUES(USE) \
+  USE(constant)                  \
+  USE(ray_traced)                \
+  USE(pixel_basis)               \
+  USE(wavelet)                   \
+  USE(wavelet_product)           \
+  USE(wavelet_dense)             \
+  USE(sh_lighting)               \
+  USE(sh_exponentiation)         \
+  USE(shadow_map)                \
+  USE(pcss)                      \
+  USE(hqepcss)                   \
+  USE(fast_pcss)                 \
+  USE(pcss_rotated)              \
+  USE(moment_shadows)
 
 namespace penumbra {
 
-Registry make_registry() {
-  Registry registry;
-  register_ray_traced(registry);
-  register_pixel_basis(registry);
-  register_wavelet(registry);
-  register_sh_lighting(registry);
-  register_sh_exponentiation(registry);
-  register_pcss(registry);
-  register_cuda(registry);
-  return registry;
+#define PENUMBRA_DECLARE(technique) void register_##technique(Registry& registry);
+#define PENUMBRA_CALL(technique) register_##technique(registry);
+
+PENUMBRA_TECHNIQUES(PENUMBRA_DECLARE)
+
+void register_techniques(Registry& registry) {
+  PENUMBRA_TECHNIQUES(PENUMBRA_CALL)
 }
 
 }  // namespace penumbra

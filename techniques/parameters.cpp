@@ -9,10 +9,6 @@
 
 namespace penumbra {
 
-std::string to_string(const ParameterValue& value) {
-  return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
-}
-
 std::string Parameter::range() const {
   if (allowed.empty()) return fmt::format("[{}, {}]", low, high);
   std::vector<std::string> names;
@@ -32,12 +28,6 @@ Parameter number_parameter(std::string name, double fallback, double low, double
 Parameter choice_parameter(std::string name, std::vector<ParameterValue> allowed, std::string meaning) {
   ParameterValue first = allowed.at(0);
   return {std::move(name), "", std::move(meaning), std::move(first), 0.0, 0.0, std::move(allowed)};
-}
-
-std::string Parameters::describe() const {
-  std::vector<std::string> parts;
-  for (const auto& [name, value] : values_) parts.push_back(name + "=" + to_string(value));
-  return fmt::format("{}", fmt::join(parts, " "));
 }
 
 namespace {

@@ -1,15 +1,14 @@
 // Parameters of a technique: declared with unit, default, range and meaning; checked when given.
 #pragma once
 
-#include <map>
 #include <string>
-#include <variant>
 #include <vector>
+
+#include "scenes/values.h"
 
 namespace penumbra {
 
-using ParameterValue = std::variant<int, double, std::string>;
-std::string to_string(const ParameterValue& value);
+using ParameterValue = Value;
 
 /// What a technique accepts under one name.
 struct Parameter {
@@ -33,15 +32,15 @@ class Parameters {
   int integer(const std::string& name) const { return std::get<int>(values_.at(name)); }
   double number(const std::string& name) const { return std::get<double>(values_.at(name)); }
   const std::string& text(const std::string& name) const { return std::get<std::string>(values_.at(name)); }
-  const std::map<std::string, ParameterValue>& all() const { return values_; }
-  std::string describe() const;  ///< "name=value name=value", sorted
+  const Values& all() const { return values_; }
+  std::string describe() const { return penumbra::describe(values_); }
 
   /// Checks the given values against the declaration and fills in defaults.
   /// Throws Error naming the parameter, `owner` and what is allowed.
   Parameters resolve(const std::vector<Parameter>& declared, const std::string& owner) const;
 
  private:
-  std::map<std::string, ParameterValue> values_;
+  Values values_;
 };
 
 /// Parses "name=value" texts; numbers become int or double, everything else stays text.

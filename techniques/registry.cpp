@@ -29,10 +29,13 @@ void check_knobs(const Entry& entry) {
 
 }  // namespace
 
+std::string to_string(Backend backend) {
+  constexpr const char* names[] = {"scalar", "simd", "cuda", "external"};
+  return names[int(backend)];
+}
+
 void Registry::add(Entry entry) {
-  for (const Entry& other : entries_)
-    if (other.name == entry.name && other.backend == entry.backend)
-      throw Error("technique {} is registered twice", entry.title());
+  if (twin(entry, entry.backend)) throw Error("technique {} is registered twice", entry.title());
   std::set<std::string> names;
   for (const Parameter& p : entry.parameters)
     if (!names.insert(p.name).second) throw Error("technique {} declares '{}' twice", entry.title(), p.name);
@@ -43,9 +46,9 @@ void Registry::add(Entry entry) {
 const Entry& Registry::find(const std::string& name, const std::string& backend) const {
   std::set<std::string> names, backends;
   for (const Entry& entry : entries_) {
-    if (entry.name == name && entry.backend == backend) return entry;
+    if (entry.name == name && to_string(entry.backend) == backend) return entry;
     names.insert(entry.name);
-    if (entry.name == name) backends.insert(entry.backend);
+    if (entry.name == name) backends.insert(to_string(entry.backend));
   }
   if (backends.empty())
     throw Error("unknown technique '{}'; known are: {}{}", name, fmt::join(names, ", "),
@@ -53,15 +56,22 @@ const Entry& Registry::find(const std::string& name, const std::string& backend)
   throw Error("technique '{}' has no backend '{}'; it has: {}", name, backend, fmt::join(backends, ", "));
 }
 
-std::vector<std::string> Registry::usual_backends(const std::string& name) const {
-  std::vector<std::string> usual, all;
+const Entry* Registry::twin(const Entry& entry, Backend backend) const {
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& other) {
+    return other.name == entry.name && other.backend == backend;
+  });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+std::vector<Backend> Registry::usual_backends(const std::string& name) const {
+  std::vector<Backend> usual, all;
   for (const Entry& entry : entries_) {
     if (entry.name != name) continue;
     all.push_back(entry.backend);
-    if (entry.backend == "scalar" || entry.backend == "simd") usual.push_back(entry.backend);
+    if (entry.backend == Backend::scalar || entry.backend == Backend::simd) usual.push_back(entry.backend);
   }
   if (all.empty()) find(name, "");        // which throws
-  std::sort(usual.begin(), usual.end());  // "scalar" before "simd", whatever order they came in
+  std::sort(usual.begin(), usual.end());  // scalar before simd, whatever order they came in
   return usual.empty() ? all : usual;
 }
 

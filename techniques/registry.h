@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "techniques/parameters.h"
 #include "techniques/technique.h"
@@ -24,9 +25,21 @@ struct Knob {
   bool fine = false;
 };
 
+/// What runs a technique: plain loops, vector instructions, a GPU; or another program, of which only images are known.
+enum class Backend { scalar, simd, cuda, external };
+std::string to_string(Backend backend);
+
+/// What a technique's kernels have beyond its other backends.
+struct Kernels {
+  std::vector<Parameter> parameters = {};  ///< that only the device has
+  /// Besides the default: what `kernel_counts` and `kernel_times` run so that every kernel runs once.
+  std::vector<Parameters> workloads = {};
+};
+
 /// One technique on one backend.
 struct Entry {
-  std::string name, backend;  ///< backend: "scalar", "simd" or "cuda"
+  std::string name;
+  Backend backend = Backend::scalar;
   std::string summary, citation;
   LightKinds lights;
   /// A parameter called "resolution" is, by convention, the texels along an edge of a cube face: the rungs `cube` and
@@ -44,10 +57,21 @@ struct Entry {
   std::vector<Knob> knobs = {};
   /// What its error is made of beyond texels and spheres, in a word or two: "noise".
   std::string errs_by = {};
+  /// Of the scalar entry: there is a file in `cuda/` that runs the technique on a GPU.
+  std::optional<Kernels> kernels = {};
+  /// Values with which the technique does all that it does, but quickly: what tests run where speed is not the point.
+  Parameters small = {};
   /// Empty if it can run here, else why not ("no CUDA device").
   std::string unavailable = {};
 
-  std::string title() const { return name + " (" + backend + ")"; }
+  std::string title() const { return name + " (" + to_string(backend) + ")"; }
+};
+
+/// How a backend stands in this build on this machine.
+struct BackendState {
+  std::string status;                                           ///< one line for listings
+  std::function<std::map<std::string, std::string>()> context;  ///< asks for what results must tell; null: unavailable
+  bool available() const { return context != nullptr; }
 };
 
 class Registry {
@@ -57,17 +81,36 @@ class Registry {
   void add(Entry entry);
   /// Throws Error listing what there is.
   const Entry& find(const std::string& name, const std::string& backend) const;
+  const Entry& find(const std::string& name, Backend backend) const { return find(name, to_string(backend)); }
+  /// The same technique on another backend; null where it has none.
+  const Entry* twin(const Entry& entry, Backend backend) const;
   /// The backends that nobody has to ask for: of scalar and simd those that the technique has, else all that it has.
   /// Throws Error listing the techniques.
-  std::vector<std::string> usual_backends(const std::string& name) const;
+  std::vector<Backend> usual_backends(const std::string& name) const;
   const std::vector<Entry>& entries() const { return entries_; }
+
+  void set_state(Backend backend, BackendState state) { states_[backend] = std::move(state); }
+  /// Of the backends that need more than a processor.
+  const std::map<Backend, BackendState>& states() const { return states_; }
 
  private:
   std::vector<Entry> entries_;
+  std::map<Backend, BackendState> states_;
 };
 
-/// Every technique of the project; CUDA variants if they are built in.
-Registry make_registry();
+template <class Implementation>
+auto maker() {
+  return [](const Parameters& p) -> std::unique_ptr<Technique> { return std::make_unique<Implementation>(p); };
+}
+
+/// Adds `entry` twice: with the plain loops, and with their vectorised twin. They differ in nothing else.
+template <class Scalar, class Simd>
+void add_pair(Registry& registry, Entry entry) {
+  entry.backend = Backend::scalar, entry.make = maker<Scalar>();
+  registry.add(entry);
+  entry.backend = Backend::simd, entry.make = maker<Simd>(), entry.kernels.reset();
+  registry.add(std::move(entry));
+}
 
 /// Checked construction: resolves the parameters against the entry's declaration. Throws Unsupported, with the reason,
 /// if the entry is unavailable.

@@ -9,7 +9,6 @@ bit, and the last one has the rows of the undisturbed run with equal errors.
     tests/interrupts.py --program build/release/penumbra --moments 100
 """
 import argparse
-import json
 import os
 import random
 import shutil
@@ -19,16 +18,20 @@ import sys
 import tempfile
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scripts"))
+import results_file  # noqa: E402
+
 MOST_SECONDS = 2.0
 
 
 def rows_of(folder):
     """Finished rows by name; none if there is no file yet."""
-    path = os.path.join(folder, "results.json")
-    if not os.path.exists(path):
+    if not os.path.exists(os.path.join(folder, "results.json")):
         return {}
-    with open(path, encoding="utf-8") as file:
-        return {row["name"]: row for row in json.load(file)["benchmarks"] if row["status"] == "ok"}
+    rows = [row for row in results_file.read_rows(folder) if row["status"] == "ok"]
+    for row in rows:
+        del row["index"]  # its place among the others may change
+    return {row["name"]: row for row in rows}
 
 
 def start(options, place, resume):

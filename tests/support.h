@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "cuda/host/registry.h"
+#include "scenes/import/guard.h"
 #include "scenes/shapes.h"
 #include "techniques/registry.h"
 
@@ -83,6 +84,11 @@ inline std::vector<vec3> shade(const std::string& name, const std::string& backe
   static const Registry registry = cuda_on_host::make_registry();
   const auto technique = make_technique(registry.find(name, backend), parse_parameters(parameters));
   return shade(*technique, scene);
+}
+
+/// The defaults, but for the values that make the technique quick.
+inline Parameters small_parameters(const Entry& entry) {
+  return entry.small.resolve(entry.parameters, entry.title());
 }
 
 inline Image grey(const std::vector<float>& values, int width) {

@@ -1,20 +1,23 @@
 #include "cuda/host/registry.h"
 
 #include "cuda/kernels.h"
+#include "cuda/register_cuda.h"
+#include "generated/kernel_list.h"
+#include "techniques/all.h"
 
 namespace penumbra::cuda_on_host {
 
+PENUMBRA_KERNELS(PENUMBRA_DECLARE)
+
 Registry make_registry() {
   Registry registry;
-  const Registry all = penumbra::make_registry();
-  for (const Entry& entry : all.entries())
-    if (entry.backend != "cuda" || entry.unavailable.empty()) registry.add(entry);
-  const auto add = [&](const char* name, Maker make) {
-    if (!all.find(name, "cuda").unavailable.empty()) registry.add(cuda_entry(registry, name, std::move(make), ""));
-  };
-#define PENUMBRA_ADD(name, make) add(name, make);
-  PENUMBRA_CUDA_TECHNIQUES(PENUMBRA_ADD)
-#undef PENUMBRA_ADD
+  register_techniques(registry);
+  Registry with_device = registry;
+  register_cuda(with_device);
+  if (with_device.states().at(Backend::cuda).available()) return with_device;
+  Makers makers;
+  PENUMBRA_KERNELS(PENUMBRA_CALL)
+  add_cuda_entries(registry, makers, "");
   return registry;
 }
 

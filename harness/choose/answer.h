@@ -1,7 +1,9 @@
-// What `penumbra choose` found, as one screen and as JSON.
+// What `penumbra choose` found.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "harness/choose/bound.h"
 #include "harness/results/row.h"
@@ -48,12 +50,6 @@ struct Answer {
 
   /// Nothing if no option is within the bound.
   const Option* best() const { return !options.empty() && options.front().within ? &options.front() : nullptr; }
-  /// The best option, or else the nearest, as a command line; empty if there is none.
-  std::string render_line() const;
 };
-
-/// At most so many columns, and 25 lines: the verdict first.
-std::string screen_of(const Answer& answer, int width);
-nlohmann::json to_json(const Answer& answer);
 
 }  // namespace penumbra

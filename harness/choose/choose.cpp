@@ -51,7 +51,7 @@ class Chooser {
   double seconds() const { return seconds_now() - start_; }
 
   Variant variant(const Line& line, int value) const {
-    return {line.entry, line.at(value), line.entry->backend == "scalar" ? 1 : settings_.threads};
+    return {line.entry, line.at(value), line.entry->backend == Backend::scalar ? 1 : settings_.threads};
   }
 
   /// The best so far, of all or of one technique: least time within the error, or least error within the time.

@@ -86,12 +86,12 @@ std::vector<const Trial*> finalists(const std::vector<std::unique_ptr<Trial>>& t
 
 std::string label_of(const Variant& variant, const Row& row) {
   std::string label = variant.entry->name;
-  if (variant.entry->backend == "cuda") label += " (cuda)";
+  if (variant.entry->backend == Backend::cuda) label += " (cuda)";
   if (row.id.reads_spheres) label += fmt::format(" {} spheres", row.id.spheres);
   for (const Knob& knob : variant.entry->knobs) {
     const ParameterValue& value = variant.parameters.all().at(knob.parameter);
-    const auto usual = row.id.defaults.all().find(knob.parameter);
-    if (knob.fine || usual == row.id.defaults.all().end() || usual->second != value)
+    const auto usual = row.id.defaults.find(knob.parameter);
+    if (knob.fine || usual == row.id.defaults.end() || usual->second != value)
       label += fmt::format(" {}={}", knob.parameter, to_string(value));
   }
   return label;

@@ -19,10 +19,10 @@ std::vector<Option> timed(const std::vector<const Trial*>& candidates, const Tri
 /// the others by how near they come to it.
 std::vector<Option> best_of_each(std::vector<Option> options, const Bound& bound);
 
-/// Where an option's error comes from.
+/// The parts of an option's error, the largest first.
 std::vector<ErrorPart> parts_of(const Trial& trial, const Trials& trials);
 
-/// Technique, spheres, and the knobs that are not at their defaults; the fine one always.
+/// A configuration's name: technique, spheres, and the knobs that are not at their defaults; the fine one always.
 std::string label_of(const Variant& variant, const Row& row);
 
 }  // namespace penumbra

@@ -8,12 +8,12 @@
 #include <optional>
 #include <sstream>
 
-#include "harness/results/results_file.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
 #include "scenes/light.h"
 #include "scenes/names.h"
 #include "scenes/shapes.h"
+#include "scenes/storage/atomic_write.h"
 
 namespace penumbra {
 namespace fs = std::filesystem;

@@ -54,10 +54,11 @@ std::vector<Line> lines_of(const Entry& entry) {
 std::vector<const Entry*> contenders(const Registry& registry) {
   std::vector<const Entry*> all;
   for (const Entry& entry : registry.entries()) {
+    if (entry.knobs.empty()) continue;  // its author did not ask for a search
     const bool faster_twin = std::any_of(registry.entries().begin(), registry.entries().end(), [&](const Entry& other) {
-      return other.name == entry.name && other.backend != "scalar" && other.unavailable.empty();
+      return other.name == entry.name && other.backend != Backend::scalar && other.unavailable.empty();
     });
-    if (entry.unavailable.empty() && (entry.backend != "scalar" || !faster_twin)) all.push_back(&entry);
+    if (entry.unavailable.empty() && (entry.backend != Backend::scalar || !faster_twin)) all.push_back(&entry);
   }
   return all;
 }

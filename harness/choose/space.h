@@ -20,8 +20,8 @@ struct Line {
 /// left out.
 std::vector<Line> lines_of(const Entry& entry);
 
-/// Of every technique, the backends that can run here: without the scalar one where there is another, which does the
-/// same faster.
+/// Of every technique with knobs, the backends that can run here: without the scalar one where there is another, which
+/// does the same faster.
 std::vector<const Entry*> contenders(const Registry& registry);
 
 }  // namespace penumbra

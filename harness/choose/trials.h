@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-/// Of a scene at rest that is asked to move.
+/// The motion of a scene at rest that is asked to move.
 inline const Motion twist{Motion::Kind::twist, 0.5f, 16.0f, 16, Carry::rigid, vec3(0.0f)};
 
 /// A configuration that has been shaded once.
@@ -46,7 +46,7 @@ class Trials {
   Score anatomy(const Variant& variant, int spheres) const;
   /// Relative RMSE from truth to rung cube at these receivers; absent where there is none.
   std::optional<double> texel_error(int spheres, int resolution) const;
-  /// The same of rung spheres: what so many spheres cost whatever shades with them.
+  /// Relative RMSE from rung cube to rung spheres: what so many spheres cost whatever shades with them.
   std::optional<double> sphere_error(int spheres) const;
 
  private:

@@ -2,11 +2,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <thread>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/choose/choose.h"
 #include "harness/choose/new_scene.h"
+#include "harness/commands/answer_screen.h"
 #include "harness/commands/commands.h"
 #include "harness/measure/interrupt.h"
 #include "harness/measure/timing.h"
@@ -15,6 +16,7 @@
 #include "harness/results/text.h"
 #include "scenes/error.h"
 #include "scenes/scene_outline.h"
+#include "scenes/storage/atomic_write.h"
 
 namespace penumbra {
 namespace {
@@ -41,9 +43,7 @@ Bound bound_of(const ChooseOptions& o) {
 /// The scene that is given, or one that is written for the mesh.
 std::string scene_of(const ChooseOptions& o) {
   if (!names_scene(o.subject)) {
-    std::error_code failure;
-    std::filesystem::create_directories(o.directory, failure);
-    if (failure) throw Error("--out {}: cannot be made: {}", o.directory, failure.message());
+    make_folder(o.directory);
     return write_scene(o.scene, o.directory);
   }
   const SceneRequest& s = o.scene;
@@ -96,7 +96,7 @@ int choose_technique(ChooseOptions o) {
   o.settings.scene = scene_of(o);
   const SceneOutline outline = read_outline(o.settings.scene);
   ResultsFolder folder(o.directory);
-  nlohmann::json context = machine_context();
+  nlohmann::json context = machine_context(registry);
   context["suite"] = "choose";
   folder.begin(context, {});
   const auto kept = [&] {

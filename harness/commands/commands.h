@@ -10,6 +10,8 @@ namespace penumbra {
 
 void add_choose(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
+void add_compare(CLI::App& app, int& exit_code);
+void add_serve_rows(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_reference(CLI::App& app, int& exit_code);
 void add_fit(CLI::App& app, int& exit_code);
@@ -18,6 +20,7 @@ void add_list(CLI::App& app, int& exit_code);
 void add_init(CLI::App& app, int& exit_code);
 void add_help(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
+void add_export_rows(CLI::App& app, int& exit_code);
 void add_score(CLI::App& app, int& exit_code);
 
 }  // namespace penumbra

@@ -55,7 +55,7 @@ std::string parameters_of(const std::vector<const Entry*>& entries, int width) {
                             [&](const Parameter& q) { return q.name == p.name; });
       };
       const std::string alone =
-          std::any_of(entries.begin(), entries.end(), lacks) ? " (" + entry->backend + " alone)" : "";
+          std::any_of(entries.begin(), entries.end(), lacks) ? " (" + to_string(entry->backend) + " alone)" : "";
       const std::string unit = p.unit.empty() ? "" : " " + p.unit;
       text += labelled(fmt::format("{} = {}{}", p.name, to_string(p.fallback), unit),
                        fmt::format("{} {}{}", p.allowed.empty() ? p.range() : "(" + p.range() + ")", p.meaning, alone),
@@ -130,7 +130,7 @@ std::vector<std::string> technique_names(const Registry& registry) {
 std::string backends_of(const std::string& technique, const Registry& registry) {
   std::vector<std::string> texts;
   for (const Entry* entry : entries_of(technique, registry))
-    texts.push_back(entry->unavailable.empty() ? entry->backend : entry->backend + " (not here)");
+    texts.push_back(to_string(entry->backend) + (entry->unavailable.empty() ? "" : " (not here)"));
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
@@ -149,7 +149,7 @@ std::string describe_technique(const std::string& name, const Registry& registry
   line("lights", lights_of(first.lights));
   line("backends", backends_of(name, registry));
   for (const Entry* entry : entries)
-    if (!entry->unavailable.empty()) line("", fmt::format("{}: {}", entry->backend, entry->unavailable));
+    if (!entry->unavailable.empty()) line("", fmt::format("{}: {}", to_string(entry->backend), entry->unavailable));
   line("suites", measured.suites.empty() ? "none" : fmt::format("{}", fmt::join(measured.suites, ", ")));
   if (!measured.scene.empty())
     line("try", fmt::format("penumbra render {} --technique {} -o {}.png", measured.scene, name, name));

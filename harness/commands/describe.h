@@ -8,8 +8,7 @@
 namespace penumbra {
 
 /// Summary, citation, lights, backends and why one is not available, parameters with defaults, ranges, units and
-/// meaning, the shipped suites that measure it, and a command that renders with it. Throws Error if the name is
-/// unknown.
+/// meaning, the shipped suites that measure it, and a command that renders with it. Throws Error for other names.
 std::string describe_technique(const std::string& name, const Registry& registry, int width);
 
 /// Mesh, spheres, receivers, light and motion of a scene, which is loaded without its fit. Throws Error.

@@ -183,7 +183,7 @@ std::string headline(const Plan& plan, const Sum& sum) {
 }  // namespace
 
 void dry_run(const Suite& suite, const RunOptions& options) {
-  if (!suite.published_times.empty()) check_published_times(suite);
+  if (!suite.published_times.empty()) check_published_times({suite.name, suite.published, suite.published_times});
   else if (!suite.published.empty()) PublishedTable::load(suite.published);
   const Plan plan = make_plan(suite, options.filter, options.repetitions);
   const std::vector<Row> earlier = read_results(options.directory).rows;

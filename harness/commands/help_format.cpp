@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/measure/machine.h"
 #include "harness/report/screen.h"
 
@@ -103,7 +104,7 @@ void format_help(CLI::App& app) {
 }
 
 std::string version_text() {
-  const auto machine = describe_machine();
+  const auto machine = describe_machine(make_registry());
   const auto line = [&, width = screen_width()](const char* label, const std::string& text) {
     return labelled(label, text, 20, width);
   };

@@ -7,11 +7,11 @@
 #include "harness/commands/commands.h"
 #include "harness/commands/templates.h"
 #include "harness/report/screen.h"
-#include "harness/results/results_file.h"
 #include "scenes/assets.h"
 #include "scenes/error.h"
 #include "scenes/fit/solid.h"
 #include "scenes/log.h"
+#include "scenes/storage/atomic_write.h"
 
 namespace penumbra {
 namespace {

@@ -9,8 +9,8 @@ namespace penumbra {
 
 enum class InputKind { scene, suite, mesh, environment, technique, unknown };
 
-/// Of a file by its name and, if it is TOML, by its keys; of any other name by what is shipped, built in or registered,
-/// where several kinds may share one.
+/// Is `name` something of this kind? A file is known by its name and, if it is TOML, by its keys; any other name by
+/// what is shipped, built in or registered, where several kinds may share one.
 bool is_called(const std::string& name, InputKind kind, const Registry& registry);
 
 /// "a mesh: `penumbra choose ...` finds ...": what a name is and the commands that take it; empty if it is unknown.

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "cuda/register_cuda.h"
+#include "harness/catalogue/catalogue.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/describe.h"
 #include "harness/commands/input_kind.h"
@@ -19,12 +19,12 @@ namespace {
 
 void list_as_json(const Registry& registry) {
   nlohmann::json out = {{"techniques", nlohmann::json::array()},
-                        {"cuda", cuda_status()},
                         {"scenes", shipped_names("library")},
                         {"suites", shipped_names("suites")}};
+  for (const auto& [backend, state] : registry.states()) out[to_string(backend)] = state.status;
   for (const Entry& e : registry.entries()) {
     nlohmann::json entry = {{"name", e.name},
-                            {"backend", e.backend},
+                            {"backend", to_string(e.backend)},
                             {"summary", e.summary},
                             {"citation", e.citation},
                             {"available", e.unavailable.empty()},
@@ -49,7 +49,10 @@ std::string short_list(const Registry& registry, int width) {
   }
   text += "\n" + labelled("scenes", fmt::format("{}", fmt::join(shipped_names("library"), ", ")), 10, width);
   text += "\n" + labelled("suites", fmt::format("{}", fmt::join(shipped_names("suites"), ", ")), 10, width);
-  return text + "\n" + wrapped("cuda: " + cuda_status(), width, 6) + "\n";  // scripts look for this line
+  text += "\n";
+  for (const auto& [backend, state] : registry.states())  // scripts look for these lines
+    text += wrapped(to_string(backend) + ": " + state.status, width, 6) + "\n";
+  return text;
 }
 
 /// All that is called so: a technique, a scene and a suite may share a name.

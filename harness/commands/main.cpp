@@ -36,6 +36,8 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   add_choose(app, exit_code);
   add_run(app, exit_code);
+  add_compare(app, exit_code);
+  add_serve_rows(app, exit_code);
   add_render(app, exit_code);
   add_reference(app, exit_code);
   add_fit(app, exit_code);
@@ -45,6 +47,7 @@ int main(int argc, char** argv) {
   add_help(app, exit_code);
   add_export(app, exit_code);
   add_score(app, exit_code);
+  add_export_rows(app, exit_code);
   try {
     if (argc == 1) throw CLI::CallForHelp();
     expect_command(app, argv[1]);

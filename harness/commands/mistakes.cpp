@@ -7,6 +7,7 @@
 #include <cctype>
 #include <sstream>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/commands/input_kind.h"
 #include "scenes/error.h"
 #include "scenes/nearest_name.h"

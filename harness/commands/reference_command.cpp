@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/frame_option.h"
 #include "harness/commands/input_kind.h"

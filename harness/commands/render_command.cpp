@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/frame_option.h"
 #include "harness/commands/input_kind.h"
@@ -29,7 +30,7 @@ void render(const RenderOptions& options) {
   const Registry registry = make_registry();
   expect_scene(options.scene, registry);
   const std::string backend =
-      options.backend.empty() ? registry.usual_backends(options.technique).back() : options.backend;
+      options.backend.empty() ? to_string(registry.usual_backends(options.technique).back()) : options.backend;
   const Entry& entry = registry.find(options.technique, backend);
   const auto technique = make_technique(entry, options.parameters);
   Progress progress;

@@ -22,6 +22,7 @@
 #include "harness/report/tables.h"
 #include "harness/results/provenance.h"
 #include "scenes/log.h"
+#include "scenes/storage/atomic_write.h"
 
 namespace penumbra {
 namespace {
@@ -31,7 +32,7 @@ class Tables {
  public:
   /// Throws Error if the published figures of the suite are not there.
   explicit Tables(const Suite& suite) : suite_(suite) {
-    if (!suite.published_times.empty()) check_published_times(suite);
+    if (!suite.published_times.empty()) check_published_times(published_times());
     else if (!suite.published.empty()) published_ = PublishedTable::load(suite.published);
   }
 
@@ -40,10 +41,12 @@ class Tables {
            (suite_.baseline ? make_baseline_table(suite_.baseline->entry->name, rows) : "") + make_stages_table(rows) +
            make_sequence_table(rows) + make_steps_table(rows) + make_counters_table(rows) + make_external_table(rows) +
            (published_ ? make_published_table(*published_, rows) : "") +
-           (suite_.published_times.empty() ? "" : make_published_times_table(suite_, rows));
+           (suite_.published_times.empty() ? "" : make_published_times_table(published_times(), rows));
   }
 
  private:
+  PublishedTimes published_times() const { return {suite_.name, suite_.published, suite_.published_times}; }
+
   const Suite& suite_;
   std::optional<PublishedTable> published_;
 };
@@ -88,8 +91,8 @@ std::set<std::string> all_of(const Suite& suite) {
 }
 
 /// Rows of an earlier run of the suite, and of images that were scored beside it, that may stand under today's context,
-/// which keeps the mark of a busy machine. Of
-/// scenes in `keys`, only those whose truth is still the same. Says why if there are none.
+/// which keeps the mark of a busy machine. Of scenes in `keys`, only those whose truth is still the same. Says why if
+/// there are none.
 std::vector<Row> comparable_rows(const std::string& directory, const Suite& suite,
                                  const std::map<std::string, std::string>& keys, nlohmann::json& context) {
   Results earlier = read_results(directory);
@@ -163,7 +166,7 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
   const Tables tables(suite);
   const Plan plan = make_plan(suite, options.filter, options.repetitions);
   const std::map<std::string, std::string> keys = check_scenes(plan);
-  nlohmann::json context = machine_context();
+  nlohmann::json context = machine_context(registry);
   context["suite"] = suite.name;
   ResultsFolder folder(options.directory);
   warn_of_threads(plan);

@@ -1,6 +1,7 @@
 // penumbra run: the options of a suite's run.
 #include <CLI/CLI.hpp>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/dry_run.h"
 #include "harness/commands/input_kind.h"
@@ -17,7 +18,7 @@ void add_run(CLI::App& app, int& exit_code) {
   static bool dry = false;
   command->add_option("suite", suite, "Shipped suite or path of a .toml file")->required();
   command->add_option("--out", options.directory, "Folder for results")->default_val("results/runs/latest");
-  command->add_option("--filter", options.filter, "Regular expression searched in row names");
+  command->add_option("--filter", options.filter, "Regular expression searched in row names, also with all parameters");
   command->add_option("--repetitions", options.repetitions, "Repetitions per row (default: the suite's)")
       ->check(CLI::Range(1, 1000));
   command->add_option("--threads", threads, "Threads of parallel backends (default: the suite's)")

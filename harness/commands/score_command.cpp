@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/frame_option.h"
 #include "harness/measure/check.h"
@@ -17,10 +18,10 @@
 #include "harness/report/score_text.h"
 #include "harness/results/results_folder.h"
 #include "harness/results/row_json.h"
-#include "scenes/cache.h"
 #include "scenes/error.h"
 #include "scenes/names.h"
 #include "scenes/scene_file.h"
+#include "scenes/storage/content_key.h"
 
 namespace penumbra {
 namespace {
@@ -73,7 +74,7 @@ Row scored_row(const SceneContext& context, const Suite& suite, const Image& ima
   row.timing.frame_ms = times;
   row.timing.iterations = times.empty() ? 0 : 1;
   ContentHash hash;
-  hash.add(std::vector<char>(row.facts.key.begin(), row.facts.key.end())), hash.add(image.pixels);
+  hash.add(row.facts.key), hash.add(image.pixels);
   row.facts.key = hash.digest();
   return row;
 }
@@ -89,7 +90,7 @@ Results rows_beside(const std::string& directory, const SceneContext& context) {
           "--noise is another); choose another folder with --out",
           directory, context.scene().name);
   if (results.rows.empty()) {
-    results.context = machine_context();
+    results.context = machine_context(make_registry());
     results.context["suite"] = "score";
   }
   return results;

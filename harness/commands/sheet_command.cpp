@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <regex>
 
 #include "harness/commands/commands.h"
 #include "harness/report/row_text.h"
@@ -28,15 +27,10 @@ std::vector<const Row*> chosen(const std::vector<const Row*>& good, const std::v
     return a->timing.median_frame_ms() < b->timing.median_frame_ms();
   });
   for (const std::string& text : expressions) {
-    std::regex wanted;
-    try {
-      wanted = std::regex(text);
-    } catch (const std::regex_error& e) {
-      throw Error("--rows '{}' is not a regular expression: {}", text, e.what());
-    }
+    const Pattern wanted("--rows", text);
     const std::size_t before = rows.size();
     for (const Row* row : sorted)
-      if (std::regex_search(row->id.name(), wanted)) rows.push_back(row);
+      if (is_in(wanted, row->id)) rows.push_back(row);
     if (rows.size() == before)
       throw Error("--rows '{}' is found in no measured row of scene '{}'; see the names in results.json", text,
                   good.front()->id.scene);

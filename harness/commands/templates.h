@@ -9,8 +9,7 @@ namespace penumbra {
 /// Text of scenes/templates/scene.toml. Throws Error if it is not there.
 std::string scene_template();
 
-/// The same with a mesh file of one's own, and without spheres if `closed` is false: they can only be fitted to closed
-/// meshes.
+/// scene_template() with a mesh file of one's own, and without spheres if it is not `closed`, as a fit asks for.
 std::string scene_template(const std::string& mesh, bool closed);
 
 /// Text of scenes/templates/suite.toml. Throws Error if it is not there.

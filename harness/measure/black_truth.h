@@ -16,8 +16,7 @@ double light_scale(const Light& light, const Receivers& receivers);
 /// without light need not be exactly 0; below 1.2e-38 floats lose their digits.
 double black_level(const Light& light, const Receivers& receivers);
 
-/// Does any light reach any receiver, if nothing stands in between? Looks at 64 samples of each receiver until one says
-/// yes.
+/// Does any light reach any receiver if nothing stands in between? Looks at 64 samples of each until one says yes.
 bool light_arrives(const Light& light, const Receivers& receivers);
 
 /// "scene X: the truth is black: no receiver gets light; ..." with the likely reason. `arrives`: without an occluder

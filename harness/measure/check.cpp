@@ -53,7 +53,7 @@ void collect_facts(const Technique& technique, Facts& facts) {
 
 void check_parity(const Registry& registry, const Variant& variant, const Scene& scene, Row& row) {
   const Entry& entry = *variant.entry;
-  if (entry.backend == "scalar") return;
+  if (entry.backend == Backend::scalar) return;
   row.score.parity = parity_with_scalar(registry, entry, variant.parameters, scene);
   if (!(row.score.parity <= entry.parity))
     throw std::runtime_error(fmt::format("differs from its scalar twin by {:.3g} (relative RMSE); allowed is {:.3g}",

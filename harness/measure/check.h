@@ -19,13 +19,13 @@ struct Checked {
 /// Why a technique is not even tried under a light; empty if it is.
 std::string reason_to_skip(const Entry& entry, const Light& light);
 
-/// Nothing measured yet; skipped if the variant cannot run here or shade the light.
+/// A row of which nothing is measured yet; skipped if the variant cannot run here or shade the light.
 Row empty_row(const Variant& variant, const SceneContext& context, const Suite& suite);
 
 /// Prepares (timed) and shades; refuses images that are not finite; scores. Never throws for what the technique does.
 Checked look_at(const Variant& variant, const SceneContext& context, const Suite& suite);
 
-/// The same, and refuses images that differ from the scalar twin's. `sheet_file`: for the frames of a sequence.
+/// As look_at(), and refuses images that differ from the scalar twin's. `sheet_file`: for the frames of a sequence.
 Checked check(const Variant& variant, const SceneContext& context, const Suite& suite, const Registry& registry,
               const std::string& sheet_file);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <deque>
 #include <stdexcept>
 #include <utility>
 
@@ -53,7 +55,9 @@ Pipe make_pipe() {
 /// Cuts what comes out of a pipe into lines.
 class Lines {
  public:
-  Lines(Descriptor from, std::function<void(std::string_view)> line) : from_(std::move(from)), line_(std::move(line)) {}
+  /// Of a line longer than `longest` bytes, its begin is told.
+  Lines(Descriptor from, std::function<void(std::string_view)> line, std::size_t longest = 4096)
+      : from_(std::move(from)), line_(std::move(line)), longest_(longest) {}
   int descriptor() const { return from_.get(); }
 
   /// Takes what is there without waiting.
@@ -75,9 +79,8 @@ class Lines {
 
  private:
   void add(char c) {
-    constexpr std::size_t longest = 4096;
     if (c != '\n') {
-      if (text_.size() < longest) text_ += c;
+      if (text_.size() < longest_) text_ += c;
       return;
     }
     line_(text_);
@@ -85,18 +88,19 @@ class Lines {
   }
   Descriptor from_;
   std::function<void(std::string_view)> line_;
+  std::size_t longest_;
   std::string text_;
 };
 
-/// Between fork and exec; nothing here may take a lock that another thread could have held.
-[[noreturn]] void become(const char* command, const char* folder, int out, int err) {
+/// Between fork and exec; nothing here may take a lock that another thread could have held. `in` below 0: no input.
+[[noreturn]] void become(const char* command, const char* folder, int in, int out, int err) {
   setpgid(0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const int in = open("/dev/null", O_RDONLY);
+  if (in < 0) in = open("/dev/null", O_RDONLY);
   if (in < 0 || dup2(in, 0) < 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0 || chdir(folder) != 0) _exit(126);
   execl("/bin/sh", "sh", "-c", command, nullptr);
   _exit(127);
@@ -161,7 +165,7 @@ CommandEnd run_command(const std::string& command, const std::string& folder, do
   const auto passed = [&] { return Time(std::chrono::steady_clock::now() - start).count(); };
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error(fmt::format("no process to run a command in ({})", strerror(errno)));
-  if (child == 0) become(command.c_str(), folder.c_str(), out.write.get(), err.write.get());
+  if (child == 0) become(command.c_str(), folder.c_str(), -1, out.write.get(), err.write.get());
   Group group(child);
   out.write.reset(), err.write.reset();
   CommandEnd end;
@@ -185,6 +189,86 @@ CommandEnd run_command(const std::string& command, const std::string& folder, do
   end.status = group.reap();
   said.finish(), complained.finish();
   return end;
+}
+
+class Conversation::Child {
+ public:
+  Child(pid_t leader, Descriptor in, Pipe out, Pipe err)
+      : group_(leader),
+        in_(std::move(in)),
+        said_(
+            std::move(out.read), [this](std::string_view line) { lines_.emplace_back(line); }, std::size_t(1) << 30),
+        complained_(std::move(err.read), [this](std::string_view text) { last_words_ = one_line(text); }) {}
+
+  void send(const std::string& line) {
+    const std::string text = line + "\n";
+    for (std::size_t sent = 0; sent < text.size();) {
+      const ssize_t count = ::send(in_.get(), text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) return;  // it has ended, which listen() tells
+      sent += std::size_t(count);
+    }
+  }
+
+  std::string listen(double seconds) {
+    using Seconds = std::chrono::duration<double>;
+    const auto start = std::chrono::steady_clock::now();
+    while (lines_.empty()) {
+      const bool ended = !fault_.empty() || group_.ended();  // before the last look at what it said
+      stop_if_interrupted();
+      pollfd news[] = {
+          {said_.descriptor(), POLLIN, 0}, {complained_.descriptor(), POLLIN, 0}, {group_.descriptor(), POLLIN, 0}};
+      if (!ended) poll(news, 3, 20);
+      said_.take(), complained_.take();
+      const double passed = Seconds(std::chrono::steady_clock::now() - start).count();
+      if (ended && lines_.empty()) throw std::runtime_error(fault());
+      if (passed > seconds) throw std::runtime_error(fmt::format("did not answer within {:.3g} s", seconds));
+    }
+    std::string line = std::move(lines_.front());
+    lines_.pop_front();
+    return line;
+  }
+
+ private:
+  std::string fault() {
+    if (!fault_.empty()) return fault_;
+    CommandEnd end;
+    end.status = group_.reap();
+    end.last_words = last_words_;
+    fault_ = end.fault();
+    if (fault_.empty()) fault_ = "ended without an answer";
+    return fault_;
+  }
+
+  Group group_;
+  Descriptor in_;
+  std::deque<std::string> lines_;
+  std::string last_words_, fault_;
+  Lines said_, complained_;
+};
+
+Conversation::Conversation(const std::string& command, const std::string& folder) {
+  int in[2];  // a socket can be written to without a signal if nobody reads
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in) != 0)
+    throw std::runtime_error(fmt::format("no connection to a command ({})", strerror(errno)));
+  Descriptor ours(in[0]), theirs(in[1]);
+  Pipe out = make_pipe(), err = make_pipe();
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error(fmt::format("no process to run a command in ({})", strerror(errno)));
+  if (child == 0) become(command.c_str(), folder.c_str(), theirs.get(), out.write.get(), err.write.get());
+  theirs.reset(), out.write.reset(), err.write.reset();
+  child_ = std::make_unique<Child>(child, std::move(ours), std::move(out), std::move(err));
+}
+
+Conversation::~Conversation() = default;
+
+std::string Conversation::listen(double seconds) {
+  return child_->listen(seconds);
+}
+
+std::string Conversation::ask(const std::string& line, double seconds) {
+  child_->send(line);
+  return child_->listen(seconds);
 }
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -24,5 +25,26 @@ struct CommandEnd {
 /// std::runtime_error if there is no process to run it in.
 CommandEnd run_command(const std::string& command, const std::string& folder, double seconds,
                        const std::function<void(std::string_view)>& line);
+
+/// A program that answers a line on its standard input with a line on its standard output. It is killed with all of its
+/// process group when this is destroyed, and when this program dies.
+class Conversation {
+ public:
+  /// Starts a command of /bin/sh in a folder. Throws std::runtime_error if there is no process to run it in.
+  Conversation(const std::string& command, const std::string& folder);
+  ~Conversation();
+  Conversation(const Conversation&) = delete;
+  Conversation& operator=(const Conversation&) = delete;
+
+  /// The next line, which may be long. Throws std::runtime_error saying how the program ended, or that it did not
+  /// answer within `seconds`; Interrupted.
+  std::string listen(double seconds);
+  /// Sends a line, and listens.
+  std::string ask(const std::string& line, double seconds);
+
+ private:
+  class Child;
+  std::unique_ptr<Child> child_;
+};
 
 }  // namespace penumbra

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "harness/measure/reference.h"
 #include "scenes/environment_image.h"
-#include "scenes/error.h"
 #include "scenes/float_map.h"
+#include "scenes/storage/atomic_write.h"
 
 namespace penumbra {
 namespace {
@@ -24,18 +22,17 @@ json numbers(const Vector& v) {
 /// Binary PLY of vertices with float properties, and of triangles if there are any.
 void write_ply(const std::string& path, const std::vector<std::string>& properties, const std::vector<float>& values,
                const std::vector<uvec3>& triangles) {
-  std::ofstream out(path, std::ios::binary);
-  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << values.size() / properties.size() << "\n";
-  for (const std::string& property : properties) out << "property float " << property << "\n";
-  if (!triangles.empty()) out << "element face " << triangles.size() << "\nproperty list uchar uint vertex_indices\n";
-  out << "end_header\n";
-  out.write(reinterpret_cast<const char*>(values.data()), std::streamsize(values.size() * sizeof(float)));
-  for (const uvec3& t : triangles) {
-    out.put(3);
-    out.write(reinterpret_cast<const char*>(&t), sizeof t);
-  }
-  out.close();
-  if (!out) throw Error("{}: cannot be written", path);
+  write_atomically(path, [&](std::ostream& out) {
+    out << "ply\nformat binary_little_endian 1.0\nelement vertex " << values.size() / properties.size() << "\n";
+    for (const std::string& property : properties) out << "property float " << property << "\n";
+    if (!triangles.empty()) out << "element face " << triangles.size() << "\nproperty list uchar uint vertex_indices\n";
+    out << "end_header\n";
+    out.write(reinterpret_cast<const char*>(values.data()), std::streamsize(values.size() * sizeof(float)));
+    for (const uvec3& t : triangles) {
+      out.put(3);
+      out.write(reinterpret_cast<const char*>(&t), sizeof t);
+    }
+  });
 }
 
 json export_mesh(const Mesh& mesh, const std::string& directory) {
@@ -130,19 +127,10 @@ json lamp_json(const AreaLight& lamp) {
                           (disc ? "edges are diameters" : "edges are whole, about the centre") + "; area in m^2"}};
 }
 
-void write_json(const std::string& path, const json& text) {
-  std::ofstream out(path);
-  out << text.dump(1) << '\n';
-  out.close();
-  if (!out) throw Error("{}: cannot be written", path);
-}
-
 }  // namespace
 
 void export_scene(const Animation& animation, const Frame& frame, const std::string& directory) {
-  std::error_code failure;
-  std::filesystem::create_directories(directory, failure);
-  if (failure) throw Error("{}: cannot be made: {}", directory, failure.message());
+  make_folder(directory);
   const Scene& scene = animation.scene();
   const Receivers& r = frame.receivers;
   json out;
@@ -160,7 +148,7 @@ void export_scene(const Animation& animation, const Frame& frame, const std::str
   out["spheres"] = export_spheres(frame.spheres, directory);
   const Environment* environment = environment_of(frame.light);
   out["light"] = environment ? export_environment(*environment, directory) : lamp_json(*area_light_of(frame.light));
-  write_json(directory + "/scene.json", out);
+  write_atomically(directory + "/scene.json", out.dump(1) + "\n");
 }
 
 }  // namespace penumbra

@@ -6,14 +6,10 @@
 #include <stdexcept>
 
 #include "harness/results/row.h"
-#include "scenes/cache.h"
+#include "scenes/storage/content_key.h"
 
 namespace penumbra {
 namespace {
-
-std::vector<char> bytes_of(const std::string& text) {
-  return {text.begin(), text.end()};
-}
 
 std::string quoted(const std::string& path) {
   const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+";
@@ -33,7 +29,7 @@ void replace_all(std::string& text, const std::string& what, const std::string& 
 std::shared_ptr<const External> make_external(const std::string& name, const std::string& command,
                                               const std::string& folder, double timeout_s, bool reads_spheres) {
   External external;
-  external.entry.name = name, external.entry.backend = external_backend;
+  external.entry.name = name, external.entry.backend = Backend::external;
   external.entry.lights = {true, true};
   external.entry.reads_spheres = [reads_spheres](const Parameters&) { return reads_spheres; };
   external.entry.make = [](const Parameters&) -> std::unique_ptr<Technique> {
@@ -45,14 +41,14 @@ std::shared_ptr<const External> make_external(const std::string& name, const std
 
 std::string external_key(const External& external, const std::string& key) {
   ContentHash hash;
-  hash.add(bytes_of(key)), hash.add(bytes_of(external.command));
+  hash.add(key), hash.add(external.command);
   std::istringstream words(external.command);
   for (std::string word; words >> word;) {
     const std::filesystem::path path = std::filesystem::path(external.folder) / word;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) continue;
     std::ifstream file(path, std::ios::binary);
-    hash.add(std::vector<char>(std::istreambuf_iterator<char>(file), {}));
+    hash.add(std::string(std::istreambuf_iterator<char>(file), {}));
   }
   return hash.digest();
 }

@@ -4,18 +4,18 @@
 
 #include <set>
 
-#include "scenes/cache.h"
 #include "scenes/names.h"
+#include "scenes/storage/content_key.h"
 
 namespace penumbra {
 namespace {
 
-/// 255 bytes without `.partial-` before and `.error.png` or `.sheet.png` behind.
-constexpr std::size_t longest_stem = 255 - 9 - 10;
+/// 255 bytes without `.error.png` or `.sheet.png` behind.
+constexpr std::size_t longest_stem = 255 - 10;
 
 std::string with_digest(const std::string& label) {
   ContentHash hash;
-  hash.add(std::vector<char>(label.begin(), label.end()));
+  hash.add(label);
   const std::string tail = fmt::format("-{:.12}", hash.digest());
   return file_name(label).substr(0, longest_stem - tail.size()) + tail;
 }

@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "cuda/register_cuda.h"
 #include "scenes/assets.h"
-#include "scenes/cache.h"
+#include "scenes/storage/content_key.h"
+#include "techniques/registry.h"
 
 namespace penumbra {
 namespace {
@@ -37,7 +37,7 @@ std::string program_digest() {
   ContentHash hash;
   std::vector<char> block(1 << 20);
   while (file.read(block.data(), std::streamsize(block.size())) || file.gcount() > 0)
-    hash.add(std::vector<char>(block.begin(), block.begin() + file.gcount()));
+    hash.add(std::string_view(block.data(), std::size_t(file.gcount())));
   return hash.digest();
 }
 
@@ -53,12 +53,16 @@ std::string instruction_sets() {
 
 }  // namespace
 
-std::map<std::string, std::string> describe_machine() {
+std::map<std::string, std::string> describe_machine(const Registry& registry) {
   const std::string git = "git -C '" + data_folder() + "' ";
   // An installation may lie in a repository of something else.
   const bool ours = !output_of(git + "ls-files assets.toml").empty();
   const std::string commit = ours ? output_of(git + "rev-parse HEAD") : "";
-  std::map<std::string, std::string> machine = cuda_context();
+  std::map<std::string, std::string> machine;
+  for (const auto& [backend, state] : registry.states()) {
+    machine[to_string(backend)] = state.status;
+    if (state.available()) machine.merge(state.context());
+  }
   machine.insert({{"cpu_name", cpu_name()},
                   {"instruction_sets", instruction_sets()},
                   {"compiler", PENUMBRA_COMPILER},
@@ -66,8 +70,7 @@ std::map<std::string, std::string> describe_machine() {
                   {"build_type", PENUMBRA_BUILD_TYPE},
                   {"program", program_digest()},
                   {"commit", commit.empty() ? "unknown" : commit},
-                  {"dirty", !ours || output_of(git + "status --porcelain").empty() ? "false" : "true"},
-                  {"cuda", cuda_status()}});
+                  {"dirty", !ours || output_of(git + "status --porcelain").empty() ? "false" : "true"}});
   return machine;
 }
 

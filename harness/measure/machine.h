@@ -6,7 +6,9 @@
 
 namespace penumbra {
 
+class Registry;
+
 /// cpu_name, instruction_sets, compiler, flags, build_type, program, commit, dirty, cuda and, with a device, cuda_...
-std::map<std::string, std::string> describe_machine();
+std::map<std::string, std::string> describe_machine(const Registry& registry);
 
 }  // namespace penumbra

@@ -53,11 +53,8 @@ std::vector<vec3> shaded(const Entry& entry, const Parameters& parameters, const
 
 double parity_with_scalar(const Registry& registry, const Entry& entry, const Parameters& parameters,
                           const Scene& scene) {
-  if (entry.backend == "scalar") return 0.0;
-  const auto twin = std::find_if(registry.entries().begin(), registry.entries().end(), [&](const Entry& other) {
-    return other.name == entry.name && other.backend == "scalar";
-  });
-  if (twin == registry.entries().end()) return 0.0;
+  const Entry* twin = registry.twin(entry, Backend::scalar);
+  if (!twin || twin == &entry) return 0.0;
   const Scene thin = thinned(scene, 32);
   const auto ours = shaded(entry, parameters, thin), theirs = shaded(*twin, parameters, thin);
   double squared = 0.0, energy = 0.0;

@@ -1,4 +1,4 @@
-// A backend against its scalar twin.
+// A backend compared with its scalar twin.
 #pragma once
 
 #include "techniques/registry.h"

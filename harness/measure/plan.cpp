@@ -8,7 +8,7 @@
 #include <set>
 
 #include "scenes/assets.h"
-#include "scenes/cache.h"
+#include "scenes/content.h"
 #include "scenes/error.h"
 #include "scenes/names.h"
 #include "scenes/pattern.h"
@@ -91,7 +91,7 @@ std::string nothing_runs(const Suite& suite, const std::set<std::size_t>& left) 
   for (const std::size_t k : left) {
     const Entry& entry = *suite.variants[k].entry;
     if (entry.unavailable.empty()) return "";
-    reasons[entry.backend] = entry.unavailable;
+    reasons[to_string(entry.backend)] = entry.unavailable;
   }
   std::string text;
   for (const auto& [backend, reason] : reasons)
@@ -119,9 +119,9 @@ RowIdentity identity_of(const SceneOutline& scene, const Variant& variant) {
   id.objective = scene.objective;
   id.reads_spheres = entry.reads_spheres(variant.parameters);
   id.technique = entry.name;
-  id.backend = entry.backend;
-  id.parameters = variant.parameters;
-  for (const Parameter& p : entry.parameters) id.defaults.set(p.name, p.fallback);
+  id.backend = to_string(entry.backend);
+  id.parameters = variant.parameters.all();
+  for (const Parameter& p : entry.parameters) id.defaults[p.name] = p.fallback;
   id.threads = variant.threads;
   return id;
 }
@@ -143,7 +143,7 @@ Plan make_plan(const Suite& suite, const std::string& filter, int repetitions) {
       std::vector<std::size_t> variants;
       for (std::size_t k = 0; k < suite.variants.size(); ++k) {
         const RowIdentity id = identity_of(o, suite.variants[k]);
-        if (!wanted.is_in(id.name())) continue;
+        if (!is_in(wanted, id)) continue;
         if (id.reads_spheres || without_spheres.insert(k).second) variants.push_back(k);
       }
       if (variants.empty()) continue;
@@ -160,14 +160,14 @@ Plan make_plan(const Suite& suite, const std::string& filter, int repetitions) {
 
 std::string measurement_key(const std::string& scene_key, const Motion& motion, const RowIdentity& id,
                             const Suite& suite) {
-  const std::string text = fmt::format("{}|{}|{}|noise {}|sequence {}|attribution {}|baseline {}", scene_key, id.name(),
-                                       id.receivers, suite.truth_noise, suite.sequence, suite.attribution,
-                                       suite.baseline ? suite.baseline->label() : "none");
+  const std::string text = fmt::format("{}|{}|{}|noise {}|sequence {}|attribution {}|baseline {}", scene_key,
+                                       id.full_name(), id.receivers, suite.truth_noise, suite.sequence,
+                                       suite.attribution, suite.baseline ? suite.baseline->label() : "none");
   ContentHash hash;
-  hash.add(std::vector<char>(text.begin(), text.end()));
+  hash.add(text);
   hash.add_value(int(motion.kind)), hash.add_value(int(motion.carry));
   hash.add_value(motion.amount), hash.add_value(motion.period), hash.add_value(motion.frames);
-  hash.add_vec(motion.centre);
+  add_vec(hash, motion.centre);
   return hash.digest();
 }
 

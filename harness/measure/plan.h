@@ -46,7 +46,7 @@ Plan make_plan(const Suite& suite, const std::string& filter, int repetitions);
 /// What a variant is called on a scene of so many spheres; the number of receivers is not known yet.
 RowIdentity identity_of(const SceneOutline& scene, const Variant& variant);
 
-/// "resolution" of a variant's parameters, 32 if it has none.
+/// The texels along an edge of a cube face at which a variant works: its parameter "resolution", or 32.
 int resolution_of(const Parameters& parameters);
 
 /// SHA-1 over all that a row depends on but the program and the machine: the content of its scene (`scene_key` and the

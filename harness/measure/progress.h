@@ -31,7 +31,7 @@ struct ProgressOutput {
   std::function<double()> seconds;                ///< a clock that never goes back
 };
 
-/// stderr, and the steady clock.
+/// Progress on stderr, by the steady clock.
 ProgressOutput progress_on_stderr();
 
 /// All functions may be called from any thread. While a step or a share is under way, a timer thread redraws the line.
@@ -54,7 +54,7 @@ class Progress {
   void finish();
   /// Something worth keeping on screen.
   void note(const std::string& text);
-  /// The same, unless it has been said before.
+  /// As note(), unless it has been said before.
   void note_once(const std::string& text);
 
   /// While this lives, no timer thread does: frames are being timed. What is called shows as ever.

@@ -1,22 +1,19 @@
 #include "harness/measure/reference.h"
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 
 #include "harness/measure/interrupt.h"
-#include "harness/measure/truth_samples.h"
+#include "harness/measure/truth_rounds.h"
 #include "harness/results/metrics.h"
 #include "scenes/error.h"
 #include "scenes/log.h"
+#include "techniques/bases/light_sampling.h"
 #include "techniques/bases/pixel_sum.h"
-#include "techniques/bases/random.h"
-#include "techniques/bases/ray_packets.h"
 #include "techniques/bases/sphere_table.h"
 
 namespace penumbra {
@@ -89,81 +86,6 @@ Image blank(const Receivers& r) {
   return {r.width, r.height, std::vector<vec3>(std::size_t(r.size()), vec3(0.0f))};
 }
 
-/// Adds rounds of independent stratified estimates until their mean is known well enough. The variance of the mean is
-/// that of the rounds over their number, so the gain of stratification counts.
-class TruthSampler {
- public:
-  /// A quick look, at 5 % of noise or more, gets by with short rounds.
-  TruthSampler(const Frame& frame, double noise, Reference& out)
-      : frame_(frame),
-        out_(out),
-        rays_(frame.mesh),
-        samples_(frame.light),
-        sum_(out.mean.pixels.size(), dvec3(0.0)),
-        squares_(sum_),
-        open_(sum_),
-        count_(noise < 0.05 ? 256 : 16) {}
-
-  void round(int index) {
-    const Receivers& r = frame_.receivers;
-    const int groups = (r.size() + RayPacket::size - 1) / RayPacket::size;
-    tbb::enumerable_thread_specific<std::array<LightSampler::Scratch, RayPacket::size>> scratches;
-    tbb::parallel_for(0, groups, [&](int group) {
-      if (!interrupted()) round_of_group(group, index, scratches.local().data());
-    });
-    stop_if_interrupted();
-    ++rounds_;
-  }
-
-  /// Writes mean, variance and unshadowed radiance so far.
-  void finish() {
-    out_.rays_per_receiver = rounds_ * count_;
-    for (std::size_t i = 0; i < sum_.size(); ++i) {
-      const dvec3 mean = sum_[i] / double(rounds_), albedo(frame_.receivers.albedo[i]);
-      const dvec3 spread = glm::max(dvec3(0.0), squares_[i] / double(rounds_) - mean * mean);
-      out_.mean.pixels[i] = vec3(albedo * mean);
-      out_.variance.pixels[i] = vec3(albedo * albedo * spread / double(rounds_ - 1));
-      out_.unshadowed.pixels[i] = vec3(albedo * open_[i] / double(rounds_));
-    }
-  }
-
-  int rays_per_round() const { return count_; }
-
- private:
-  void round_of_group(int group, int index, LightSampler::Scratch* scratch) {
-    const Receivers& r = frame_.receivers;
-    int which[RayPacket::size], count = 0;
-    const LightSample* samples[RayPacket::size];
-    vec3 estimate[RayPacket::size];
-    const int first = group * RayPacket::size, last = std::min(r.size(), first + RayPacket::size);
-    for (int i = first; i < last; ++i) {
-      if (!r.valid(i)) continue;
-      const std::uint64_t stream = mix_bits(std::uint64_t(index) << 32 | std::uint32_t(i));
-      samples_.draw(r.position[i], r.normal[i], count_, stream, scratch[count]);
-      samples[count] = scratch[count].samples.data();
-      which[count++] = i;
-    }
-    const auto span = std::size_t(count);
-    estimate_packet(rays_, r, {which, span}, {samples, span}, count_, estimate);
-    for (int k = 0; k < count; ++k) {
-      const dvec3 value(estimate[k]);
-      sum_[which[k]] += value;
-      squares_[which[k]] += value * value;
-      dvec3 open(0.0);
-      for (int j = 0; j < count_; ++j) open += dvec3(samples[k][j].weight);
-      open_[which[k]] += open / double(count_);
-    }
-  }
-
-  const Frame& frame_;
-  Reference& out_;
-  RayScene rays_;
-  TruthSamples samples_;
-  std::vector<dvec3> sum_, squares_, open_;
-  const int count_;  ///< of rays, per receiver and round
-  int rounds_ = 0;
-};
-
 /// How many rounds the truth will take: its noise falls with the root of their number.
 double predicted_rounds(const Reference& so_far, int rounds, const Receivers& receivers,
                         const ReferenceSettings& settings) {
@@ -174,16 +96,16 @@ double predicted_rounds(const Reference& so_far, int rounds, const Receivers& re
 
 void compute_truth(const Frame& frame, const ReferenceSettings& settings, Reference& out,
                    const ReferenceProgress& progress) {
-  constexpr int first_look = 2, fewest = 8;
-  TruthSampler sampler(frame, settings.truth_noise, out);
-  const int most = std::max(fewest, settings.most_rays / sampler.rays_per_round());
+  constexpr int first_look = 2, fewest = TruthRounds::fewest;
+  TruthRounds sampler(frame, settings, out);
+  const int most = sampler.most_rounds();
   double predicted = most;
   const auto look = [&](int rounds) {
     sampler.finish();
     predicted = std::clamp(predicted_rounds(out, rounds, frame.receivers, settings), double(fewest), double(most));
   };
   int rounds = 0;
-  for (int next = fewest; rounds < most; next = std::min(most, rounds + std::max(4, rounds / 4))) {
+  for (int next = fewest; rounds < most; next = std::min(most, rounds + sampler.rounds_to_next_look())) {
     while (rounds < next) {
       sampler.round(rounds++);
       if (progress && rounds == first_look) look(rounds);

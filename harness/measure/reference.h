@@ -50,9 +50,8 @@ void warn_of_noise(const Reference& reference, const Receivers& receivers, const
 /// Told now and then how far a reference is, share in [0, 1], on any thread.
 using ReferenceProgress = std::function<void(double share)>;
 
-/// Computes a rung. Throws Unsupported where it does not apply, Error if it is not finite, Interrupted if the run is to
-/// stop. Deterministic for any number
-/// of threads.
+/// Computes a rung; the bits do not depend on the number of threads. Throws Unsupported where it does not apply, Error
+/// if it is not finite, Interrupted if the run is to stop.
 Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
                             const ReferenceProgress& progress = {});
 
@@ -65,7 +64,7 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
 /// Does the cache folder hold a rung? Its file is not looked into.
 bool is_cached(const Frame& frame, Rung rung, const ReferenceSettings& settings);
 
-/// From the cache folder if it holds a whole file with the right key; computed and stored otherwise. Cache files that
+/// A rung from the cache folder if it holds a whole file with the right key; computed and stored otherwise. Files that
 /// are truncated, damaged or of another key are rebuilt with a warning. An unwritable cache is a warning, not an error.
 Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
                            const ReferenceProgress& progress = {});

@@ -1,17 +1,17 @@
 // References on disk: EXR files named by the hash of what they depend on, with a checksum of their pixels inside.
 
 #include <algorithm>
-#include <filesystem>
 
 #include "harness/measure/reference.h"
-#include "scenes/cache.h"
+#include "scenes/content.h"
 #include "scenes/error.h"
 #include "scenes/log.h"
+#include "scenes/storage/cache.h"
 
 namespace penumbra {
 namespace {
 
-constexpr int format_version = 6;  // raise when a rung's algorithm changes: old files are then never looked at
+constexpr int format_version = 7;  // raise when a rung's algorithm changes: old files are then never looked at
 
 void add_light(ContentHash& hash, const Light& light) {
   if (const Environment* e = environment_of(light)) {
@@ -22,12 +22,8 @@ void add_light(ContentHash& hash, const Light& light) {
   }
   if (const AreaLight* a = area_light_of(light)) {
     hash.add_value(int(a->shape));
-    for (const vec3 v : {a->centre, a->edge_u, a->edge_v, a->normal, a->radiance}) hash.add_vec(v);
+    for (const vec3 v : {a->centre, a->edge_u, a->edge_v, a->normal, a->radiance}) add_vec(hash, v);
   }
-}
-
-std::string checksum(const std::vector<float>& values) {
-  return OIIO::SHA1::digest(values.data(), values.size() * sizeof(float));
 }
 
 const std::vector<std::string> channels = {
@@ -84,22 +80,21 @@ void store(const std::string& path, const std::string& key, const Reference& r) 
   save_channels(path, file);
 }
 
-std::string cache_file(Rung rung, const std::string& key) {
-  return cache_folder() + "/" + to_string(rung) + "-" + key + ".exr";
+CacheEntry cache_entry(Rung rung, const std::string& key) {
+  return {to_string(rung) + "-" + key + ".exr", "reference cache", "computing it anew", log_warning};
 }
 
 }  // namespace
 
 std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
-  ContentHash hash;
-  hash.add_value(format_version);
+  ContentHash hash(format_version);
   hash.add_value(int(rung));
   if (rung == Rung::truth) hash.add_value(settings.truth_noise), hash.add_value(settings.most_rays);
   if (rung == Rung::cube || rung == Rung::spheres) hash.add_value(settings.resolution);
   if (rung == Rung::spheres) {
-    for (const Sphere& s : frame.spheres.spheres) hash.add_vec(s.centre), hash.add_value(s.radius);
+    for (const Sphere& s : frame.spheres.spheres) add_vec(hash, s.centre), hash.add_value(s.radius);
   } else {
-    hash.add_mesh(frame.mesh);
+    add_mesh(hash, frame.mesh);
   }
   const Receivers& r = frame.receivers;
   hash.add_value(r.width);
@@ -113,30 +108,21 @@ std::string reference_key(const Frame& frame, Rung rung, const ReferenceSettings
 }
 
 bool is_cached(const Frame& frame, Rung rung, const ReferenceSettings& settings) {
-  return std::filesystem::exists(cache_file(rung, reference_key(frame, rung, settings)));
+  return cache_entry(rung, reference_key(frame, rung, settings)).exists();
 }
 
 Reference cached_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
                            const ReferenceProgress& progress) {
   const std::string key = reference_key(frame, rung, settings);
-  const std::string path = cache_file(rung, key);
-  if (std::filesystem::exists(path)) {
-    try {
-      Reference reference = load(path, key, rung);
-      check_finite(reference, frame.receivers);
-      warn_of_noise(reference, frame.receivers, settings);  // of a file as of a fresh one
-      return reference;
-    } catch (const std::exception& e) {
-      warn("reference cache: {}; computing it anew", e.what());
-    }
-  }
-  Reference reference = compute_reference(frame, rung, settings, progress);
-  try {
-    store(path, key, reference);
-  } catch (const std::exception& e) {
-    warn("reference cache: {}; going on without", e.what());
-  }
-  return reference;
+  const auto checked = [&](const std::string& path) {
+    Reference reference = load(path, key, rung);
+    check_finite(reference, frame.receivers);
+    warn_of_noise(reference, frame.receivers, settings);  // of a file as of a fresh one
+    return reference;
+  };
+  return cache_entry(rung, key).get(
+      checked, [&] { return compute_reference(frame, rung, settings, progress); },
+      [&](const std::string& path, const Reference& reference) { store(path, key, reference); });
 }
 
 }  // namespace penumbra

@@ -12,7 +12,7 @@ std::string truth_key(const Scene& scene, const Suite& suite);
 
 class SceneContext {
  public:
-  /// Of the scored frame, or of another. Throws Error if the scene has no such frame.
+  /// Takes the scored frame, or another. Throws Error if the scene has no such frame.
   SceneContext(Scene scene, const Suite& suite, std::optional<int> frame = {});
   SceneContext(const SceneContext&) = delete;
   SceneContext& operator=(const SceneContext&) = delete;
@@ -24,18 +24,18 @@ class SceneContext {
   /// "scene-64-spheres-shadow": its images lie there.
   std::string folder() const;
 
-  /// From the cache or computed. Throws Error if it is not finite, Interrupted if the run is to stop.
+  /// Adds a rung, from the cache or computed. Throws Error if it is not finite, Interrupted if the run is to stop.
   void add_reference(Rung rung, int resolution, const ReferenceProgress& progress = {});
   /// Shades with a variant; its image joins the references. Throws what the variant throws.
   void add_baseline(const Variant& variant);
-  /// Truths of every frame; says how far they are as the share of a step.
+  /// Adds the truths of every frame; says how far they are as the share of a step.
   void add_sequence(Progress& progress);
   /// Once all references are there: says what is odd about the scene.
   void finish_references(Progress& progress);
 
   /// Errors against everything that was added.
   Score score(const Image& image, const Parameters& parameters) const;
-  /// The same over the frames of the sequence, if there is one. The technique is prepared.
+  /// Errors of a prepared technique over the frames of the sequence, if there is one.
   std::optional<SequenceErrors> score_sequence(Technique& technique, const std::string& sheet_file) const;
   /// What each approximation of a technique that has shaded adds to its error; empty if it does not know.
   std::vector<StepError> attribute(const Technique& technique, const Image& image, const Parameters& parameters) const;

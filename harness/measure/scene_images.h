@@ -5,21 +5,21 @@
 
 namespace penumbra {
 
-/// What cannot be written is a warning. The context outlives this.
+/// Writes images; one that cannot be written is a warning. The context outlives this.
 class SceneImages {
  public:
   /// `results`: the folder of a run; images go to images/ below it.
   SceneImages(const Suite& suite, const std::string& results, const SceneContext& context);
 
-  /// Where they are, below the folder of results.
+  /// Where the images are, below the folder of results.
   const std::string& folder() const { return folder_; }
-  /// Of a variant, without its ending; below the folder of results.
+  /// A variant's image file without its ending, below the folder of results.
   std::string stem(const Variant& variant) const { return folder_ + "/" + stems_.at(variant.label()); }
 
   /// Where the contact sheet of a variant's frames belongs.
   std::string sheet_file(const Variant& variant) const;
   void save_truth();
-  /// STEM.exr and .png, and its error: STEM.error.exr (image - truth) and .error.png (signed, in colours).
+  /// Writes STEM.exr and .png, and the error: STEM.error.exr (image - truth) and .error.png (signed, in colours).
   void save(const Variant& variant, const Image& image);
 
  private:

@@ -11,10 +11,10 @@ namespace penumbra {
 /// Steps by kind: "fit", "reference", "baseline", "sequence", "check" of a variant, and "time", one repetition of one.
 using StepCounts = std::map<std::string, int>;
 
-/// Of a job; of a measurement that is its check, and "time" comes once it is over.
+/// The kind of a job's step; a measurement's is its check, and "time" comes once that is over.
 std::string step_kind(Job::Kind kind);
 
-/// Everything that a scene of a plan may ask for.
+/// All steps that a scene of a plan may ask for.
 StepCounts steps_of(const PlannedScene& scene, int repetitions);
 StepCounts sum(StepCounts a, const StepCounts& b);
 

@@ -13,7 +13,7 @@
 namespace penumbra {
 
 std::string Variant::label() const {
-  std::string text = entry->name + "/" + entry->backend;
+  std::string text = entry->name + "/" + to_string(entry->backend);
   for (const Parameter& p : entry->parameters)
     if (const ParameterValue& value = parameters.all().at(p.name); value != p.fallback)
       text += "/" + p.name + ":" + to_string(value);
@@ -117,7 +117,7 @@ Variant read_baseline(TomlReader at, const Registry& registry) {
   if (given.size() != 1) at.fail("parameters", "must have one value each: a baseline is one image");
   at.finish();
   try {
-    Variant variant{&registry.find(name, backend.value_or(registry.usual_backends(name).back())),
+    Variant variant{&registry.find(name, backend.value_or(to_string(registry.usual_backends(name).back()))),
                     {},
                     std::max(1, int(std::thread::hardware_concurrency()))};
     variant.parameters = given[0].resolve(variant.entry->parameters, variant.entry->title());
@@ -139,9 +139,9 @@ PublishedTime read_published_time(TomlReader& at) {
 }
 
 /// Scalar code runs on one thread; beside a device, the host's threads only help to prepare.
-std::vector<int> counts_for(const std::string& backend, const std::vector<int>& threads) {
-  if (backend == "scalar") return {1};
-  return backend == "cuda" ? std::vector<int>{threads.back()} : threads;
+std::vector<int> counts_for(Backend backend, const std::vector<int>& threads) {
+  if (backend == Backend::scalar) return {1};
+  return backend == Backend::cuda ? std::vector<int>{threads.back()} : threads;
 }
 
 /// Throws Error if the suite has it already; `table`: what lists it.
@@ -158,12 +158,13 @@ void add_variants(TomlReader& at, const Registry& registry, const std::vector<in
   const std::vector<int> own = integers_of(at, "threads", 1, 1024);
   auto table = at.table("parameters");
   try {
-    if (backends.empty()) backends = registry.usual_backends(name);
+    if (backends.empty())
+      for (const Backend usual : registry.usual_backends(name)) backends.push_back(to_string(usual));
     for (const std::string& backend : backends)
       for (const Parameters& given : combinations(table ? &*table : nullptr)) {
         Variant variant{&registry.find(name, backend), {}, 1};
         variant.parameters = given.resolve(variant.entry->parameters, variant.entry->title());
-        for (const int count : counts_for(backend, own.empty() ? threads : own)) {
+        for (const int count : counts_for(variant.entry->backend, own.empty() ? threads : own)) {
           variant.threads = count;
           add_variant(variant, "[[technique]]", suite);
         }

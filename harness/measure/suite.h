@@ -2,6 +2,7 @@
 #pragma once
 
 #include "harness/measure/external.h"
+#include "harness/results/published_time.h"
 #include "scenes/scene_file.h"
 #include "techniques/registry.h"
 
@@ -16,13 +17,6 @@ struct Variant {
   /// "name/backend/param:value/.../threads:n" without threads that are not known and without parameters that have their
   /// defaults: for file names and progress.
   std::string label() const;
-};
-
-/// A published time and the rows and stages of ours that it is compared with.
-struct PublishedTime {
-  std::string table, subject, variant;  ///< of results/published/NAME.csv
-  std::string row;                      ///< regular expression searched in row names
-  std::vector<std::string> stages;      ///< whose sum is compared; empty: the whole frame
 };
 
 struct Suite {

@@ -3,6 +3,8 @@
 #include <benchmark/benchmark.h>
 #include <tbb/task_arena.h>
 
+#include <ctime>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -32,6 +34,13 @@ class SilentReporter : public benchmark::BenchmarkReporter {
   void ReportRuns(const std::vector<Run>&) override {}
 };
 
+/// Of all threads of this process.
+double process_cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
+}
+
 /// Sums of stages by name, in the order of their first appearance.
 void add_stages(const std::vector<Stage>& stages, std::vector<Stage>& sums) {
   for (const Stage& stage : stages) {
@@ -50,46 +59,62 @@ void add_samples(const std::vector<Stage>& sums, double factor, std::vector<Stag
 }
 
 void run_repetition(benchmark::State& state, TimedItem& item, Animation& animation, std::vector<vec3>& image) {
-  Timing& timing = item.timing;
-  const Scene& scene = animation.scene();
-  double update = 0.0, shade = 0.0;
-  std::vector<Stage> stages;
-  int index = 0;
-  const std::unique_ptr<Clock> clock = item.technique->make_clock();
-  tbb::task_arena arena(item.threads);
+  RepetitionTimer timer(*item.technique, animation, item.threads, image);
+  int frames = 0;
   for (auto _ : state) {
     if (interrupted() || !item.failure.empty()) {
       state.SkipWithError("stopped");
       break;
     }
-    const Frame frame = animation.frame(index++ % animation.frames());
-    double ms[2];
     try {
-      arena.execute([&] {
-        clock->start();
-        item.technique->update(frame);
-        ms[0] = clock->lap();
-        item.technique->shade({image.data(), scene.receivers.width, scene.receivers.height});
-        ms[1] = clock->lap();
-      });
+      state.SetIterationTime(1e-3 * timer.frame());
+      ++frames;
     } catch (const std::exception& e) {
       item.failure = e.what();
       state.SkipWithError(e.what());
       break;
     }
-    update += ms[0], shade += ms[1];
-    add_stages(item.technique->stages(), stages);
-    state.SetIterationTime(1e-3 * (ms[0] + ms[1]));
   }
-  if (index != timing.iterations) return;
-  const double share = 1.0 / double(index);
-  timing.update_ms.push_back(update * share);
-  timing.shade_ms.push_back(shade * share);
-  timing.frame_ms.push_back((update + shade) * share);
-  add_samples(stages, share, timing.stages);
+  if (frames == item.timing.iterations) timer.add_to(item.timing);
 }
 
 }  // namespace
+
+long frames_per_repetition(double estimate_ms, double least_ms) {
+  return std::clamp(long(std::ceil(least_ms / std::max(estimate_ms, 1e-3))), 1L, 1000L);
+}
+
+RepetitionTimer::RepetitionTimer(Technique& technique, Animation& animation, int threads, std::vector<vec3>& image)
+    : technique_(technique), animation_(animation), clock_(technique.make_clock()), threads_(threads), image_(image) {
+  image_.resize(std::max(image_.size(), std::size_t(animation.scene().receivers.size())));
+}
+
+double RepetitionTimer::frame() {
+  const Receivers& receivers = animation_.scene().receivers;
+  const Frame frame = animation_.frame(int(frames_) % animation_.frames());
+  double ms[2];
+  const double cpu_before = process_cpu_ms();
+  tbb::task_arena(threads_).execute([&] {
+    clock_->start();
+    technique_.update(frame);
+    ms[0] = clock_->lap();
+    technique_.shade({image_.data(), receivers.width, receivers.height});
+    ms[1] = clock_->lap();
+  });
+  cpu_ += process_cpu_ms() - cpu_before;
+  update_ += ms[0], shade_ += ms[1], ++frames_;
+  add_stages(technique_.stages(), stages_);
+  return ms[0] + ms[1];
+}
+
+void RepetitionTimer::add_to(Timing& timing) const {
+  const double share = 1.0 / double(frames_);
+  timing.update_ms.push_back(update_ * share);
+  timing.shade_ms.push_back(shade_ * share);
+  timing.frame_ms.push_back((update_ + shade_) * share);
+  timing.cpu_ms.push_back(cpu_ * share);
+  add_samples(stages_, share, timing.stages);
+}
 
 void time_items(std::vector<TimedItem>& items, int repetitions, const TimingEvents& events) {
   if (items.empty()) return;
@@ -98,9 +123,8 @@ void time_items(std::vector<TimedItem>& items, int repetitions, const TimingEven
   std::vector<std::unique_ptr<Animation>> animations;  // each item sees its own sequence of frames
   std::vector<vec3> image;                             // one for all, as large as the largest
   for (TimedItem& item : items) {
-    item.timing.iterations = std::clamp(long(std::ceil(30.0 / std::max(item.estimate_ms, 1e-3))), 1L, 1000L);
+    item.timing.iterations = frames_per_repetition(item.estimate_ms);
     Animation& animation = *animations.emplace_back(std::make_unique<Animation>(*item.scene));
-    image.resize(std::max(image.size(), std::size_t(item.scene->receivers.size())));
     const auto repetition = [&, repetitions](benchmark::State& state) {
       events.repetition();
       const bool over = !item.failure.empty();
@@ -118,7 +142,7 @@ void time_items(std::vector<TimedItem>& items, int repetitions, const TimingEven
   benchmark::ClearRegisteredBenchmarks();
 }
 
-nlohmann::json machine_context() {
+nlohmann::json machine_context(const Registry& registry) {
   initialise_once();
   std::ostringstream out;
   benchmark::JSONReporter reporter;
@@ -132,7 +156,7 @@ nlohmann::json machine_context() {
   json.erase("host_name");
   json.erase("executable");
   json.erase("library_build_type");  // of Google Benchmark, not of what is measured
-  for (const auto& [key, value] : describe_machine()) json[key] = value;
+  for (const auto& [key, value] : describe_machine(registry)) json[key] = value;
   const auto& load = json["load_avg"];
   json["busy"] = !load.empty() && load[0].get<double>() > json["num_cpus"].get<double>();
   return json;

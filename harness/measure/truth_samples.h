@@ -20,6 +20,15 @@ class TruthSamples {
   /// As LightSampler::draw, to the bit where hemisphere_share() is 0.
   void draw(vec3 position, vec3 normal, int k, std::uint64_t stream, LightSampler::Scratch& scratch) const;
 
+  /// Environments: what LightSampler shares among the normals of a cone.
+  void make_product(const Cone& normals, EnvironmentSampler::Product& product) const {
+    sampler_.make_product(normals, product);
+  }
+  void draw_shared(const EnvironmentSampler::Product& product, int k, std::uint64_t stream,
+                   std::vector<LightSample>& samples) const {
+    sampler_.draw_shared(product, k, stream, samples);
+  }
+
   /// s: 0 for environments, behind the lamp, and farther from it than the radius of a disc of its area. From the place
   /// alone, and the same in any unit.
   double hemisphere_share(vec3 position) const;

@@ -81,8 +81,8 @@ namespace {
 /// A row's value of a key column: "spheres", or a parameter; empty if it has none of that name.
 std::string value_of(const RowIdentity& id, const std::string& key) {
   if (key == "spheres") return spheres_text(id).empty() ? "" : std::to_string(id.spheres);
-  const auto at = id.parameters.all().find(key);
-  return at == id.parameters.all().end() ? "" : to_string(at->second);
+  const auto at = id.parameters.find(key);
+  return at == id.parameters.end() ? "" : to_string(at->second);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct CsvFile {
   /// Throws Error naming file and line if the cell is no number.
   double number(const Line& line, std::size_t column) const;
 };
-/// By name, NAME.csv. Throws Error if it is missing or a line has another number of cells than there are columns.
+/// Reads results/published/NAME.csv. Throws Error if it is missing, or a line has more or fewer cells than columns.
 CsvFile load_published_csv(const std::string& name);
 
 /// A table of results/published: lines of "# comment", one of column names, then values. The last column is the
@@ -49,8 +49,7 @@ class PublishedTable {
   std::vector<std::string> keys_, devices_;
 };
 
-/// Markdown: our frames per second beside the published ones, with ratios and errors. Rows without a match are left
-/// out.
+/// Markdown: our frames per second beside the published ones, with ratios and errors, of rows that have a match.
 std::string make_published_table(const PublishedTable& table, const std::vector<Row>& rows);
 
 }  // namespace penumbra

@@ -18,31 +18,31 @@ namespace {
 
 using Key = std::tuple<std::string, std::string, std::string>;  // table, subject, variant
 
-struct Values {
+struct PublishedValues {
   std::string title;
   std::map<Key, double> ms;
 };
 
-Values load_values(const std::string& name) {
+PublishedValues load_values(const std::string& name) {
   const CsvFile file = load_published_csv(name);
   if (file.columns != std::vector<std::string>{"table", "subject", "variant", "value", "unit"})
     throw Error("{}: columns must be table, subject, variant, value, unit", file.path);
-  Values values{file.title, {}};
+  PublishedValues values{file.title, {}};
   for (const CsvFile::Line& line : file.lines)
     if (line.cells[4] == "ms") values.ms[{line.cells[0], line.cells[1], line.cells[2]}] = file.number(line, 3);
   return values;
 }
 
-double published_ms(const Values& values, const PublishedTime& line, const Suite& suite) {
+double published_ms(const PublishedValues& values, const PublishedTime& line, const PublishedTimes& asked) {
   const auto at = values.ms.find({line.table, line.subject, line.variant});
   if (at == values.ms.end())
-    throw Error("suite '{}': results/published/{}.csv has no time for table {}, {}, {}", suite.name, suite.published,
+    throw Error("suite '{}': results/published/{}.csv has no time for table {}, {}, {}", asked.suite, asked.file,
                 line.table, line.subject, line.variant);
   return at->second;
 }
 
-Pattern pattern_of(const PublishedTime& line, const Suite& suite) {
-  return {fmt::format("suite '{}': row", suite.name), line.row};
+Pattern pattern_of(const PublishedTime& line, const PublishedTimes& asked) {
+  return {fmt::format("suite '{}': row", asked.suite), line.row};
 }
 
 double measured_ms(const Row& row, const PublishedTime& line) {
@@ -51,25 +51,25 @@ double measured_ms(const Row& row, const PublishedTime& line) {
 
 }  // namespace
 
-void check_published_times(const Suite& suite) {
-  const Values values = load_values(suite.published);
-  for (const PublishedTime& line : suite.published_times) {
-    published_ms(values, line, suite);
-    pattern_of(line, suite);
+void check_published_times(const PublishedTimes& asked) {
+  const PublishedValues values = load_values(asked.file);
+  for (const PublishedTime& line : asked.times) {
+    published_ms(values, line, asked);
+    pattern_of(line, asked);
   }
 }
 
-std::string make_published_times_table(const Suite& suite, const std::vector<Row>& rows) {
-  const Values values = load_values(suite.published);
+std::string make_published_times_table(const PublishedTimes& asked, const std::vector<Row>& rows) {
+  const PublishedValues values = load_values(asked.file);
   MarkdownTable table({"table", "subject", "variant", "published ms", "ratio", "row", "stages", "ms", "our ratio"});
   struct First {
     double published, measured;
   };
   std::map<Key, First> firsts;
-  for (const PublishedTime& line : suite.published_times)
+  for (const PublishedTime& line : asked.times)
     for (const Row& row : rows) {
-      if (!row.ok() || !row.timing.timed() || !pattern_of(line, suite).is_in(row.id.name())) continue;
-      const double published = published_ms(values, line, suite), measured = measured_ms(row, line);
+      if (!row.ok() || !row.timing.timed() || !is_in(pattern_of(line, asked), row.id)) continue;
+      const double published = published_ms(values, line, asked), measured = measured_ms(row, line);
       const std::string group = fmt::format("{} {}, {} threads", row.id.scene, row.id.backend, row.id.threads);
       const First& first =
           firsts.try_emplace({line.table, line.subject, group}, First{published, measured}).first->second;

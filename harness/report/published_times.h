@@ -4,17 +4,23 @@
 #include <string>
 #include <vector>
 
-#include "harness/measure/suite.h"
+#include "harness/results/published_time.h"
 #include "harness/results/row.h"
 
 namespace penumbra {
 
-/// Throws Error if a line that the suite names is not in results/published/NAME.csv (columns table, subject, variant,
-/// value, unit), or its regular expression is none.
-void check_published_times(const Suite& suite);
+/// What a suite asks for.
+struct PublishedTimes {
+  std::string suite, file;  ///< names: of the suite, for messages, and of results/published/FILE.csv
+  std::vector<PublishedTime> times;
+};
 
-/// Markdown: published and measured time of every line, both over the first line of the same table and subject.
-/// `row` of a line may find several rows (backends): one line each, compared with that of the same backend and threads.
-std::string make_published_times_table(const Suite& suite, const std::vector<Row>& rows);
+/// Throws Error if a time is not in the file (columns table, subject, variant, value, unit), or its regular expression
+/// is none.
+void check_published_times(const PublishedTimes& asked);
+
+/// Markdown: every published time and what was measured, both over the first of the same table and subject. `row` of
+/// one may find several rows (backends): one line each, compared with that of the same backend and threads.
+std::string make_published_times_table(const PublishedTimes& asked, const std::vector<Row>& rows);
 
 }  // namespace penumbra

@@ -5,25 +5,26 @@
 #include <algorithm>
 
 #include "harness/results/statistics.h"
+#include "harness/results/text.h"
 
 namespace penumbra {
 
 std::string telling_parameters(const Row& row, const std::vector<const Row*>& rows) {
-  const auto value_in = [](const Parameters& parameters, const std::string& name) {
-    const auto at = parameters.all().find(name);
-    return at == parameters.all().end() ? nullptr : &at->second;
+  const auto value_in = [](const Values& values, const std::string& name) {
+    const auto at = values.find(name);
+    return at == values.end() ? nullptr : &at->second;
   };
-  std::string text;
-  for (const auto& [name, value] : row.id.parameters.all()) {
-    const ParameterValue* fallback = value_in(row.id.defaults, name);
+  Values all_telling;
+  for (const auto& [name, value] : row.id.parameters) {
+    const Value* fallback = value_in(row.id.defaults, name);
     const bool telling = (fallback && *fallback != value) ||
                          std::any_of(rows.begin(), rows.end(), [&, &key = name, &own = value](const Row* other) {
-                           const ParameterValue* theirs = value_in(other->id.parameters, key);
+                           const Value* theirs = value_in(other->id.parameters, key);
                            return other->id.technique == row.id.technique && theirs && *theirs != own;
                          });
-    if (telling) text += (text.empty() ? "" : " ") + name + "=" + to_string(value);
+    if (telling) all_telling[name] = value;
   }
-  return text;
+  return describe(all_telling);
 }
 
 namespace {
@@ -111,6 +112,13 @@ std::string rung_or_tie(const Row& row, const std::string& rung) {
   if (at->second.tie()) return tie_text(at->second.floor());
   if (!e.rel_rmse && e.receivers > 0) return fmt::format("undefined (RMSE {:.3g})", e.rmse);
   return percent_text(e.rel_rmse);
+}
+
+std::string truth_text(const Row& row) {
+  const auto error = row.score.truth_error();
+  if (!error) return "undefined";
+  const RungErrors& truth = row.score.errors.at("truth");
+  return truth.tie() ? "< " + three_digits(100.0 * truth.floor()) : three_digits(100.0 * *error);
 }
 
 std::string geometry_text(const Row& row) {

@@ -18,10 +18,10 @@ std::string spheres_text(const RowIdentity& id);
 /// "pixel-basis visibility=raster": technique and telling parameters; backend and threads where another of the rows has
 /// the same technique with others.
 std::string variant_label(const Row& row, const std::vector<const Row*>& rows);
-/// The same, and the spheres where they differ: "pixel-basis spheres=64 cover".
+/// variant_label(), and the spheres where they differ: "pixel-basis spheres=64 cover".
 std::string short_label(const Row& row, const std::vector<const Row*>& rows);
 
-/// Empty where threads, samples, times and bytes are not known: that is not 0.
+// The next four are empty where threads, samples, times and bytes are not known: that is not 0.
 std::string threads_text(const RowIdentity& id);
 std::string median_text(const std::vector<double>& samples);  ///< ms
 std::string prepare_text(const Timing& timing);
@@ -32,23 +32,25 @@ std::string milliseconds_text(const Timing& timing);
 
 /// A relative error in percent; "undefined" where it is 0 / 0.
 std::string percent_text(const std::optional<double>& relative);
-/// The same of one rung of a row; "" if the row has not been compared with it.
+/// percent_text() of the error against a rung; "" if the row has not been compared with it.
 std::string rung_text(const Row& row, const std::string& rung);
-/// The same, but an error that is noise is a tie, and an undefined one still has its size.
+/// rung_text(), but an error that is noise is a tie, and an undefined one still has its size.
 std::string rung_or_tie(const Row& row, const std::string& rung);
+/// The error against truth for a screen: three digits of percent, "< 0.2" where it is a tie, "undefined".
+std::string truth_text(const Row& row);
 /// A mean over frames in percent, or a tie below the floor that noise sets.
 std::string mean_or_tie(const std::vector<std::optional<double>>& relative, double floor);
-/// The same as rung_text() of Score::geometry; "" if the row lacks one of the rungs.
+/// percent_text() of Score::geometry; "" if the row lacks one of the rungs.
 std::string geometry_text(const Row& row);
 
-/// Rows that were measured.
+/// The rows that were measured.
 std::vector<const Row*> good_rows(const std::vector<Row>& rows);
-/// The same on one scene.
+/// The rows of one scene that were measured.
 std::vector<const Row*> good_rows(const std::vector<Row>& rows, const std::string& scene);
-/// Appends what is not there yet.
+/// Appends the value if it is not there yet.
 void add_distinct(const std::string& value, std::vector<std::string>& all);
 
-/// In order of first appearance.
+/// Names of the rows' scenes, in order of first appearance.
 std::vector<std::string> scenes_of(const std::vector<Row>& rows);
 
 /// Names and values of the columns that say what a row is: technique, backend, parameters, threads, spheres.

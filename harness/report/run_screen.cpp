@@ -16,13 +16,6 @@ namespace {
 constexpr int most_lines = 25;
 constexpr double limits[] = {0.01, 0.03, 0.1};
 
-std::string error_text(const Row& row) {
-  const auto error = row.score.truth_error();
-  if (!error) return "undefined";
-  const RungErrors& truth = row.score.errors.at("truth");
-  return truth.tie() ? "< " + three_digits(100.0 * truth.floor()) : three_digits(100.0 * *error);
-}
-
 std::string spread_text(const Row& row) {
   return row.timing.frame_ms.size() < 2 ? "" : fmt::format("±{:.2g}", row.timing.frame_spread_ms());
 }
@@ -42,7 +35,7 @@ std::vector<std::string> cells(const std::string& lead, const Row& row, const st
           row.id.backend + (row.id.threads > 1 ? fmt::format(" x{}", row.id.threads) : ""),
           three_digits(row.timing.median_frame_ms()),
           spread_text(row),
-          error_text(row)};
+          truth_text(row)};
 }
 
 std::string scene_line(const std::string& scene, const std::vector<const Row*>& good) {

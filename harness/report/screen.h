@@ -11,8 +11,7 @@ namespace penumbra {
 /// known, as in a pipe.
 std::optional<int> terminal_width(int descriptor);
 
-/// Columns that stdout's screens keep to: those of the terminal, at least 40 and at most 100; 100 where they are
-/// unknown.
+/// Columns that stdout's screens keep to: those of the terminal, at least 40 and at most 100; 100 if not known.
 int screen_width();
 
 /// `text` broken at spaces so that no line exceeds `width` columns, unless one word does. Line breaks in it are kept.
@@ -30,10 +29,10 @@ std::string spaced(std::string label);
 /// A command that is broken in the shell's way (" \\") before a word, and never at '\x1f', which becomes a space; all
 /// lines but the first begin with four spaces. No line break at the end.
 std::string wrapped_command(const std::string& command, int width);
-/// With spaces in place of '\x1f'.
+/// A command on one line, with spaces in place of '\x1f'.
 std::string unbroken(std::string command);
 
-/// "16,384".
+/// A number as "16,384".
 std::string with_thousands(std::size_t value);
 
 enum class Align { left, right };
@@ -49,7 +48,7 @@ class TextTable {
  public:
   TextTable(std::vector<Column> columns, int width) : columns_(std::move(columns)), width_(width) {}
   void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-  /// Across all columns.
+  /// Adds a text across all columns.
   void line(std::string text) { rows_.push_back({std::move(text)}); }
   std::string text() const;
 

@@ -80,13 +80,6 @@ Image read_panel(const std::string& file) {
   }
 }
 
-void paste(const Image& from, int x, int y, Image& to) {
-  const int rows = std::min(from.height, to.height - y), columns = std::min(from.width, to.width - x);
-  for (int row = 0; row < rows; ++row)
-    std::copy_n(from.pixels.begin() + std::ptrdiff_t(row) * from.width, columns,
-                to.pixels.begin() + std::ptrdiff_t(y + row) * to.width + x);
-}
-
 /// The colours of signed errors from -1/4 to 1/4 of white.
 Image colour_bar(int width) {
   Image values{width, bar_height, {}}, zero = values;

@@ -23,13 +23,13 @@ std::string make_choice_table(const std::vector<Row>& rows);
 /// Errors against a suite's baseline.
 std::string make_baseline_table(const std::string& baseline, const std::vector<Row>& rows);
 
-/// Times of the sub-stages.
+/// Per scene, times of the rows' sub-stages.
 std::string make_stages_table(const std::vector<Row>& rows);
 
-/// Errors over a motion's frames.
+/// Per scene, errors, flicker and coverage over a motion's frames.
 std::string make_sequence_table(const std::vector<Row>& rows);
 
-/// What each approximation adds.
+/// What each approximation of a technique adds to its error.
 std::string make_steps_table(const std::vector<Row>& rows);
 
 /// What the commands of external techniques took, start and loading included.

@@ -21,13 +21,13 @@ class Lettering {
   explicit Lettering(const std::vector<std::string>& fonts = common_fonts());
   /// Without a font (or an OpenImageIO without FreeType) texts have no width, and drawing does nothing.
   bool available() const { return !font_.empty(); }
-  /// Of a text in letters of so many pixels, in pixels.
+  /// Width of a text in letters of `size` pixels, in pixels.
   int width(const std::string& text, int size) const;
-  /// The text if it is at most so wide, else as much of it as is, with an ellipsis behind it.
+  /// The text if it is at most `most` pixels wide, else as much of it as is, with an ellipsis behind it.
   std::string fitted(const std::string& text, int most, int size) const;
-  /// Broken at spaces into at most so many lines, each fitted.
+  /// The text broken at spaces into at most `lines` lines, each fitted.
   std::vector<std::string> wrapped(const std::string& text, int most, int size, std::size_t lines) const;
-  /// Black, from `x` on, letters standing on row `baseline`; what lies outside the image is cut off.
+  /// Draws the text in black, from `x` on, letters standing on row `baseline`; what lies outside the image is cut off.
   void draw(const std::string& text, int x, int baseline, int size, Image& image) const;
 
  private:

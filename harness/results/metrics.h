@@ -14,7 +14,7 @@ namespace penumbra {
 enum class Region : std::uint8_t { none, umbra, penumbra, lit };
 inline constexpr std::array<const char*, 3> region_names = {"umbra", "penumbra", "lit"};
 
-/// Under 2 % is umbra, over 98 % lit; none where nothing is seen or nothing would arrive unshadowed.
+/// Every receiver's region: under 2 % is umbra, over 98 % lit; none where nothing is seen or would arrive unshadowed.
 std::vector<Region> classify(const std::vector<vec3>& reference, const std::vector<vec3>& unshadowed,
                              const std::vector<bool>& valid);
 
@@ -41,29 +41,28 @@ struct ErrorReport {
 };
 
 /// `exposure` brings radiance to the display range and is fixed per scene. A reference whose RMS is at most `black` is
-/// black (harness/black_truth.h).
+/// black (harness/measure/black_truth.h).
 ErrorReport compare_images(const Image& image, const Image& reference, const std::vector<Region>& regions,
                            const std::vector<bool>& valid, double exposure, double black = 0.0);
 
 /// RMS over valid receivers and channels, W m^-2 sr^-1; 0 if none is valid.
 double rms(const Image& image, const std::vector<bool>& valid);
 
-/// image - reference, receiver by receiver.
+/// The signed error, image - reference, receiver by receiver.
 Image difference(const Image& image, const Image& reference);
 
-/// Mean over valid receivers, W m^-2 sr^-1; absent if none is valid.
+/// Mean of every channel over valid receivers, W m^-2 sr^-1; absent if none is valid.
 std::optional<dvec3> mean(const Image& image, const std::vector<bool>& valid);
 
 /// Exposure that maps the brightest percentile of a reference to 0.8 of white; if that is black, its brightest value;
-/// if all is, `light` (harness/black_truth.h: light_scale). 1 if there is no light either.
+/// if all is, `light` (light_scale() of harness/measure). 1 if there is no light either.
 double exposure_for(const Image& reference, const std::vector<bool>& valid, double light = 0.0);
 
 /// Grey display image in [0, 1]: sRGB-encoded, exposed and clipped luminance.
 std::vector<float> display_luminance(const Image& image, double exposure);
 
-/// Structural similarity per pixel (Wang et al. 2004): 11 x 11 Gaussian window, sigma 1.5, K1 = 0.01, K2 = 0.03,
-/// range 1. Pixels closer than 5 to the border have no full window and are NaN. Empty if the image is smaller than 11
-/// x 11.
+/// Structural similarity per pixel (Wang et al. 2004): 11 x 11 Gaussian window, sigma 1.5, K1 = 0.01, K2 = 0.03, range
+/// 1. Pixels closer than 5 to the border have no full window and are NaN. Empty if the image is smaller than a window.
 std::vector<float> ssim_map(const std::vector<float>& a, const std::vector<float>& b, int width, int height);
 
 /// FLIP per pixel (Andersson et al. 2020, 67 pixels per degree) of HDR images at one fixed exposure factor with the

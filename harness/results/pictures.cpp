@@ -84,6 +84,13 @@ Image thumbnail(const Image& image) {
   return small;
 }
 
+void paste(const Image& from, int x, int y, Image& to) {
+  const int rows = std::min(from.height, to.height - y), columns = std::min(from.width, to.width - x);
+  for (int row = 0; row < rows; ++row)
+    std::copy_n(from.pixels.begin() + std::ptrdiff_t(row) * from.width, columns,
+                to.pixels.begin() + std::ptrdiff_t(y + row) * to.width + x);
+}
+
 Image contact_sheet(const std::vector<std::vector<Image>>& rows) {
   if (rows.empty() || rows[0].empty()) return {};
   constexpr int gap = 2;
@@ -92,12 +99,8 @@ Image contact_sheet(const std::vector<std::vector<Image>>& rows) {
   Image sheet{int(rows[0].size()) * (width + gap) - gap, int(rows.size()) * (height + gap) - gap, {}};
   sheet.pixels.assign(std::size_t(sheet.width) * sheet.height, vec3(1.0f));
   for (std::size_t r = 0; r < rows.size(); ++r)
-    for (std::size_t c = 0; c < rows[r].size(); ++c) {
-      const Image panel = thumbnail(rows[r][c]);
-      for (int y = 0; y < height; ++y)
-        std::copy_n(panel.pixels.begin() + std::ptrdiff_t(y) * width, width,
-                    sheet.pixels.begin() + std::ptrdiff_t((r * (height + gap) + y) * sheet.width + c * (width + gap)));
-    }
+    for (std::size_t c = 0; c < rows[r].size(); ++c)
+      paste(thumbnail(rows[r][c]), int(c) * (width + gap), int(r) * (height + gap), sheet);
   return sheet;
 }
 

@@ -15,7 +15,7 @@ Image load_picture(const std::string& path);
 
 Image exposed(const Image& image, double exposure);
 
-/// Of white: a signed error so large has full colour.
+/// Share of white at which a signed error has full colour.
 inline constexpr double signed_error_range = 0.25;
 
 /// Red where the image is too bright (leak), blue where it is too dark; full colour at a quarter of white.
@@ -27,6 +27,9 @@ Image panel(const Image& image, int widest);
 
 /// Every step-th pixel, so that at most 128 are left in a row.
 Image thumbnail(const Image& image);
+
+/// Puts one image into another, its upper left corner at (x, y); what does not fit is cut off.
+void paste(const Image& from, int x, int y, Image& to);
 
 /// Equally large panels in rows, two pixels of white between, each as its thumbnail.
 Image contact_sheet(const std::vector<std::vector<Image>>& rows);

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 
 #include "scenes/error.h"
+#include "scenes/storage/atomic_write.h"
 
 namespace penumbra {
 namespace {
@@ -37,9 +37,7 @@ int locked_file(const std::string& path, const std::string& directory) {
 
 ResultsFolder::ResultsFolder(std::string directory) : directory_(std::move(directory)) {
   if (directory_.empty()) throw Error("--out is empty; allowed is a folder");
-  std::error_code failure;
-  std::filesystem::create_directories(directory_ + "/images", failure);
-  if (failure) throw Error("{}: cannot be made: {}", directory_, failure.message());
+  make_folder(directory_ + "/images");
   lock_ = locked_file(directory_ + "/.lock", directory_);
 }
 

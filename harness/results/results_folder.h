@@ -29,13 +29,13 @@ class ResultsFolder {
   void save_if_due();
   /// Rows of this run so far.
   std::vector<Row> rows() const;
-  /// The same, and those that wait: what the file holds.
+  /// Rows of this run so far, and those that wait: what the file holds.
   std::vector<Row> all_rows() const;
-  /// Writes results.json. Empty, or why it cannot be written: a full disk must not end a run.
+  /// Writes results.json. Returns "", or why it cannot be written: a full disk must not end a run.
   std::string save();
 
   const std::string& directory() const { return directory_; }
-  /// That of begin().
+  /// The context that begin() was given.
   nlohmann::json context() const;
 
  private:

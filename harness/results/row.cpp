@@ -6,19 +6,56 @@
 #include <numbers>
 
 #include "harness/results/statistics.h"
+#include "scenes/storage/content_key.h"
 
 namespace penumbra {
 
+namespace {
+
+std::string scene_text(const RowIdentity& id) {
+  std::string text = id.scene + "/spheres:" + std::to_string(id.spheres);
+  return id.objective.empty() ? text : text + "/objective:" + id.objective;
+}
+
+bool is_default(const RowIdentity& id, const std::string& parameter, const Value& value) {
+  const auto at = id.defaults.find(parameter);
+  return at != id.defaults.end() && at->second == value;
+}
+
+std::string variant_text(const RowIdentity& id, bool with_defaults) {
+  std::string text = id.technique + "/" + id.backend;
+  for (const auto& [key, value] : id.parameters)
+    if (with_defaults || !is_default(id, key, value)) text += "/" + key + ":" + to_string(value);
+  return id.threads == 0 ? text : text + "/threads:" + std::to_string(id.threads);
+}
+
+/// As many whole letters as fit, and a hash of all behind them.
+std::string shortened(const std::string& text, std::size_t longest) {
+  if (text.size() <= longest) return text;
+  ContentHash hash;
+  hash.add(text);
+  const std::string tail = "~" + hash.digest().substr(0, 12);
+  std::size_t size = longest - tail.size();
+  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0) == 0x80) --size;
+  return text.substr(0, size) + tail;
+}
+
+}  // namespace
+
 std::string RowIdentity::variant() const {
-  std::string text = technique + "/" + backend;
-  for (const auto& [key, value] : parameters.all()) text += "/" + key + ":" + to_string(value);
-  return threads == 0 ? text : text + "/threads:" + std::to_string(threads);
+  return variant_text(*this, false);
 }
 
 std::string RowIdentity::name() const {
-  std::string text = scene + "/spheres:" + std::to_string(spheres);
-  if (!objective.empty()) text += "/objective:" + objective;
-  return text + "/" + variant();
+  return shortened(scene_text(*this) + "/" + variant(), longest_name);
+}
+
+std::string RowIdentity::full_name() const {
+  return scene_text(*this) + "/" + variant_text(*this, true);
+}
+
+bool is_in(const Pattern& pattern, const RowIdentity& id) {
+  return pattern.is_in(id.name()) || pattern.is_in(id.full_name());
 }
 
 double Timing::median_frame_ms() const {

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "harness/results/metrics.h"
-#include "techniques/parameters.h"
+#include "scenes/pattern.h"
+#include "scenes/values.h"
 
 namespace penumbra {
 
@@ -21,13 +22,22 @@ struct RowIdentity {
   std::string objective;      ///< that the spheres were fitted for; empty if they were given
   bool reads_spheres = true;  ///< does the variant look at the spheres? If not, their number says nothing about the row
   std::string technique, backend;
-  Parameters parameters, defaults;  ///< all of them, and what they are if nobody asks for anything else
-  int threads = 1;                  ///< 0: not known
+  Values parameters, defaults;  ///< all of them, and what they are if nobody asks for anything else
+  int threads = 1;              ///< 0: not known
 
   bool external() const { return backend == external_backend; }
-  std::string variant() const;  ///< technique, backend, parameters, and threads if they are known
-  std::string name() const;     ///< unique within a run
+  /// Technique, backend, the parameters that are not at their defaults, and threads if they are known.
+  std::string variant() const;
+  /// Unique within a run and at most `longest_name` bytes. No value that is a default stands in it, so a parameter that
+  /// a technique gains later does not change it; a name that would be too long ends in a hash of the whole.
+  std::string name() const;
+  /// The name with all parameters, however long: it tells a value from another even when the default itself changes.
+  std::string full_name() const;
+  static constexpr std::size_t longest_name = 192;  ///< 200 with "_median" or another aggregate's suffix behind
 };
+
+/// Is a regular expression found in the row's name, or in the name with all parameters?
+bool is_in(const Pattern& pattern, const RowIdentity& id);
 
 /// A named sub-stage (Technique::stages): one mean per repetition.
 struct StageSamples {
@@ -40,7 +50,9 @@ struct Timing {
   long iterations = 0;                                ///< frames per repetition
   std::vector<double> update_ms, shade_ms, frame_ms;  ///< one mean per repetition
   std::vector<StageSamples> stages;                   ///< of update and shade, in order of running
-  double view_ms = -1.0;  ///< camera rays that found the receivers, not part of the frame; -1: no camera
+  std::vector<double> cpu_ms;  ///< of a frame, of all threads of the process together; empty: not known
+  std::vector<int> launch;     ///< by repetition, the number of the process that it ran in; empty: one for all
+  double view_ms = -1.0;       ///< camera rays that found the receivers, not part of the frame; -1: no camera
   /// Wall time of an external technique's command, with its start and all that it loads: no frame's time. -1: none.
   double command_ms = -1.0;
 

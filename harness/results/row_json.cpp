@@ -1,7 +1,6 @@
 #include "harness/results/row_json.h"
 
 #include <cmath>
-#include <limits>
 
 #include "harness/results/statistics.h"
 
@@ -15,17 +14,9 @@ json number(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? json(*value) : json(nullptr);
 }
 
-std::optional<double> number_from(const json& in) {
-  return in.is_null() ? std::nullopt : std::optional(in.get<double>());
-}
-
 /// Times that are not known are negative.
 json milliseconds(double ms) {
   return ms < 0.0 ? json(nullptr) : json(ms);
-}
-
-double milliseconds_from(const json& in) {
-  return in.is_null() ? -1.0 : in.get<double>();
 }
 
 /// null of no samples.
@@ -39,12 +30,6 @@ json numbers(const std::vector<std::optional<double>>& values) {
   return out;
 }
 
-std::vector<std::optional<double>> numbers_from(const json& in) {
-  std::vector<std::optional<double>> values;
-  for (const json& value : in) values.push_back(number_from(value));
-  return values;
-}
-
 json errors_json(const Errors& e) {
   const auto of_some = [&](double value) { return e.receivers > 0 ? json(value) : json(nullptr); };
   return {{"receivers", e.receivers}, {"rmse", of_some(e.rmse)}, {"rel_rmse", number(e.rel_rmse)},
@@ -52,40 +37,12 @@ json errors_json(const Errors& e) {
           {"negative", e.negative},   {"ssim", number(e.ssim)},  {"flip", number(e.flip)}};
 }
 
-Errors errors_from(const json& in) {
-  Errors e;
-  e.receivers = in.at("receivers"), e.negative = in.at("negative");
-  e.rmse = number_from(in.at("rmse")).value_or(0.0), e.max = number_from(in.at("max")).value_or(0.0);
-  e.mean_signed = number_from(in.at("mean_signed")).value_or(0.0);
-  e.rel_rmse = number_from(in.at("rel_rmse")), e.psnr = number_from(in.at("psnr"));
-  if (!e.psnr && e.rel_rmse && *e.rel_rmse == 0.0) e.psnr = std::numeric_limits<double>::infinity();
-  e.ssim = number_from(in.at("ssim")), e.flip = number_from(in.at("flip"));
-  return e;
-}
-
-json parameters_json(const Parameters& parameters) {
-  json out = json::object();
-  for (const auto& [name, value] : parameters.all())
-    std::visit([&, &key = name](const auto& v) { out[key] = v; }, value);
-  return out;
-}
-
-Parameters parameters_from(const json& in) {
-  Parameters out;
-  for (const auto& [name, value] : in.items()) {
-    if (value.is_number_integer()) out.set(name, value.get<int>());
-    else if (value.is_number()) out.set(name, value.get<double>());
-    else out.set(name, value.get<std::string>());
-  }
-  return out;
-}
-
 json bytes_json(const Facts::Bytes& bytes) {
   return {{"tables", bytes.tables}, {"per_scene", bytes.per_scene}, {"per_frame", bytes.per_frame}};
 }
 
 void put_identity(const RowIdentity& id, json& out) {
-  out["name"] = out["run_name"] = id.name();
+  out["name"] = id.name();
   out["scene"] = id.scene;
   out["spheres"] = id.spheres;
   out["reads_spheres"] = id.reads_spheres;
@@ -93,52 +50,26 @@ void put_identity(const RowIdentity& id, json& out) {
   out["receivers"] = id.receivers;
   out["technique"] = id.technique;
   out["backend"] = id.backend;
-  out["parameters"] = parameters_json(id.parameters);
-  out["defaults"] = parameters_json(id.defaults);
+  out["parameters"] = to_json(id.parameters);
+  out["defaults"] = to_json(id.defaults);
   out["threads"] = id.threads;
 }
 
-RowIdentity identity_from(const json& in) {
-  RowIdentity id;
-  id.scene = in.at("scene"), id.spheres = in.at("spheres"), id.receivers = in.at("receivers");
-  id.reads_spheres = in.at("reads_spheres"), id.objective = in.at("objective");
-  id.technique = in.at("technique"), id.backend = in.at("backend");
-  id.parameters = parameters_from(in.at("parameters")), id.defaults = parameters_from(in.at("defaults"));
-  id.threads = in.at("threads");
-  return id;
-}
-
 void put_timing(const Timing& t, json& out) {
-  out["run_type"] = "iteration";
   out["repetitions"] = t.frame_ms.size();
-  out["repetition_index"] = 0;
   out["iterations"] = t.iterations;
-  out["real_time"] = out["cpu_time"] = out["frame_ms"] = median_json(t.frame_ms);
-  out["time_unit"] = "ms";
+  out["frame_ms"] = median_json(t.frame_ms);
   out["prepare_ms"] = milliseconds(t.prepare_ms);
   out["update_ms"] = median_json(t.update_ms);
   out["shade_ms"] = median_json(t.shade_ms);
   out["frame_spread_ms"] = t.timed() ? json(t.frame_spread_ms()) : json(nullptr);
   out["samples"] = {{"update_ms", t.update_ms}, {"shade_ms", t.shade_ms}, {"frame_ms", t.frame_ms}};
+  if (!t.cpu_ms.empty()) out["samples"]["cpu_ms"] = t.cpu_ms;
   out["stages"] = json::array();
   for (const StageSamples& stage : t.stages)
     out["stages"].push_back({{"name", stage.name}, {"ms", median(stage.ms)}, {"samples", stage.ms}});
   out["view_ms"] = milliseconds(t.view_ms);
   out["command_ms"] = milliseconds(t.command_ms);
-}
-
-Timing timing_from(const json& in) {
-  Timing t;
-  t.prepare_ms = milliseconds_from(in.at("prepare_ms")), t.iterations = in.at("iterations");
-  const json& samples = in.at("samples");
-  t.update_ms = samples.at("update_ms").get<std::vector<double>>();
-  t.shade_ms = samples.at("shade_ms").get<std::vector<double>>();
-  t.frame_ms = samples.at("frame_ms").get<std::vector<double>>();
-  for (const json& stage : in.at("stages"))
-    t.stages.push_back({stage.at("name"), stage.at("samples").get<std::vector<double>>()});
-  t.view_ms = milliseconds_from(in.at("view_ms"));
-  t.command_ms = milliseconds_from(in.value("command_ms", json(nullptr)));
-  return t;
 }
 
 json sequence_json(const SequenceErrors& s) {
@@ -165,26 +96,6 @@ void put_score(const Score& score, json& out) {
   }
 }
 
-Score score_from(const json& in) {
-  Score score;
-  score.parity = in.at("parity_rel_rmse").is_null() ? -1.0 : double(in.at("parity_rel_rmse"));
-  score.geometry = number_from(in.at("geometry_rel_rmse"));
-  if (in.contains("sequence")) {
-    const json& at = in.at("sequence");
-    score.sequence = {numbers_from(at.at("rel_rmse")), numbers_from(at.at("flicker")), at.at("coverage"),
-                      number_from(at.at("rel_noise")), at.at("carry_ms")};
-  }
-  if (in.contains("steps"))
-    for (const json& at : in.at("steps")) score.steps.push_back({at.at("name"), at.at("rel_rmse"), at.at("share")});
-  for (const auto& [rung, at] : in.at("errors").items()) {
-    RungErrors& errors = score.errors[rung];
-    errors.report.all = errors_from(at);
-    errors.noise = at.at("noise"), errors.rel_noise = number_from(at.at("rel_noise"));
-    for (int k = 0; k < 3; ++k) errors.report.region[k] = errors_from(at.at("regions").at(region_names[k]));
-  }
-  return score;
-}
-
 void put_facts(const Facts& facts, bool known_bytes, json& out) {
   out["scene_key"] = facts.scene_key;
   out["key"] = facts.key;
@@ -195,18 +106,13 @@ void put_facts(const Facts& facts, bool known_bytes, json& out) {
   if (!facts.image.empty()) out["image"] = facts.image;
 }
 
-Facts facts_from(const json& in) {
-  Facts facts;
-  facts.scene_key = in.at("scene_key"), facts.key = in.at("key");
-  facts.instruction_set = in.at("instruction_set");
-  const json& bytes = in.at("footprint");
-  facts.bytes = {bytes.at("tables"), bytes.at("per_scene"), bytes.at("per_frame")};
-  facts.counters = in.at("counters").get<std::map<std::string, std::size_t>>();
-  facts.image = in.value("image", "");
-  return facts;
-}
-
 }  // namespace
+
+json to_json(const Values& values) {
+  json out = json::object();
+  for (const auto& [name, value] : values) std::visit([&, &key = name](const auto& v) { out[key] = v; }, value);
+  return out;
+}
 
 json to_json(const Row& row) {
   json out = json::object();
@@ -215,12 +121,7 @@ json to_json(const Row& row) {
   put_score(row.score, out);
   put_facts(row.facts, !row.id.external(), out);
   out["status"] = row.status;
-  if (!row.ok()) out["error_occurred"] = true, out["error_message"] = row.status;
   return out;
-}
-
-Row row_from_json(const json& in) {
-  return {identity_from(in), timing_from(in), score_from(in), facts_from(in), in.at("status")};
 }
 
 }  // namespace penumbra

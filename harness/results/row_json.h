@@ -7,9 +7,12 @@
 
 namespace penumbra {
 
-/// An entry of Google Benchmark's format; our fields stand beside its own. What is undefined is null.
+/// An object of numbers and words.
+nlohmann::json to_json(const Values& values);
+
+/// All of a row, with medians of its times and, in "samples", those of every repetition. What is undefined is null.
 nlohmann::json to_json(const Row& row);
-/// Throws nlohmann::json::exception if a field is missing or of another type.
-Row row_from_json(const nlohmann::json& json);
+/// What to_json(Row) has written. Throws Error naming the field that is missing or of another type.
+Row row_from_json(const std::string& text);
 
 }  // namespace penumbra

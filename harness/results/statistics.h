@@ -1,4 +1,4 @@
-// Of a handful of samples.
+// Statistics of a handful of samples.
 #pragma once
 
 #include <optional>
@@ -6,14 +6,14 @@
 
 namespace penumbra {
 
-/// 0 of no samples.
+/// The middle value, or the mean of the two in the middle; 0 of no samples.
 double median(std::vector<double> values);
 
 /// Half the distance between the first and the third quartile (interpolated linearly): the middle half of the samples
 /// lies about this far from their median. 0 of fewer than two samples.
 double spread(std::vector<double> values);
 
-/// Over those that are there; absent if none is.
+/// Mean over the values that are there; absent if none is.
 std::optional<double> mean_defined(const std::vector<std::optional<double>>& values);
 
 }  // namespace penumbra

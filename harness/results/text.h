@@ -11,7 +11,7 @@ int columns_of(const std::string& text);
 /// The text if it takes at most so many columns, else as much of it as they hold with an ellipsis behind it.
 std::string cut_to_columns(const std::string& text, int columns);
 
-/// "" of an empty text.
+/// The text's first letter, all bytes of it; "" of an empty text.
 std::string first_letter(const std::string& text);
 
 /// The text without its last letter.

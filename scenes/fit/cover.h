@@ -11,8 +11,7 @@ SphereSet cover_solid(const Mesh& solid, const SolidRows& rows, FitPoints points
                       const FitProgress& progress);
 
 /// Grows balls until they hold every point of the solid for certain: cells that one ball does not hold are divided down
-/// to 1/16384 of the solid's box; what is left there, and touches the solid, is given to the ball that grows least by
-/// it.
+/// to 1/16384 of the solid's box; what is left there and touches the solid goes to the ball that it makes grow least.
 void make_covering(const Mesh& solid, SphereSet& set);
 
 /// Points of the solid in those cells of 1/1024 of its box that touch it and are not within a single ball.

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include "scenes/cache.h"
+#include "scenes/content.h"
 #include "scenes/error.h"
 #include "scenes/fit/baselines.h"
 #include "scenes/fit/cover.h"
@@ -13,6 +12,7 @@
 #include "scenes/fit/silhouette.h"
 #include "scenes/fit/solid.h"
 #include "scenes/log.h"
+#include "scenes/storage/cache.h"
 
 namespace penumbra {
 namespace {
@@ -114,13 +114,12 @@ SphereSet fit_baseline(const Mesh& solid, const FitRequest& request, const std::
 }
 
 std::string fit_key(const Mesh& mesh, const FitRequest& request) {
-  ContentHash hash;
-  hash.add_value(version_of(request.objective));
+  ContentHash hash(version_of(request.objective));
   hash.add_value(request.spheres);
   hash.add_value(int(request.objective));
   hash.add_value(request.seed);
   hash.add_value(int(request.assignment));
-  hash.add_mesh(mesh);
+  add_mesh(hash, mesh);
   return hash.digest();
 }
 
@@ -174,37 +173,25 @@ SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::st
 
 namespace {
 
-std::string cache_file(const Mesh& mesh, const FitRequest& request) {
-  return cache_folder() + "/fit-" + fit_key(mesh, request) + ".json";
+CacheEntry cache_entry(const Mesh& mesh, const FitRequest& request) {
+  return {"fit-" + fit_key(mesh, request) + ".json", "sphere cache", "fitting anew", log_warning};
 }
 
 }  // namespace
 
 std::optional<SphereSet> fit_in_cache(const Mesh& mesh, const FitRequest& request) {
-  const std::string path = cache_file(mesh, request);
-  if (!std::filesystem::exists(path)) return {};
-  try {
-    return load_spheres(path);
-  } catch (const std::exception& e) {
-    warn("sphere cache: {}; fitting anew", e.what());
-    return {};
-  }
+  return cache_entry(mesh, request).look_up(load_spheres);
 }
 
 SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::string& what,
                      const FitProgress& progress) {
-  if (auto cached = fit_in_cache(mesh, request)) return std::move(*cached);
-  inform("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
-         cache_folder());
-  SphereSet set = fit_with(mesh, request, what, progress,
-                           [&](const FitRequest& first) { return cached_fit(mesh, first, what, progress); });
-  try {
-    std::filesystem::create_directories(cache_folder());
-    save_spheres(cache_file(mesh, request), set);
-  } catch (const std::exception& e) {
-    warn("sphere cache: {}; going on without", e.what());
-  }
-  return set;
+  const auto compute = [&] {
+    inform("{}: fitting {} spheres ({}); kept in {}", what, request.spheres, to_string(request.objective),
+           cache_folder());
+    return fit_with(mesh, request, what, progress,
+                    [&](const FitRequest& first) { return cached_fit(mesh, first, what, progress); });
+  };
+  return cache_entry(mesh, request).get(load_spheres, compute, store_spheres);
 }
 
 FitQuality assess_fit(const Mesh& mesh, const SphereSet& set, const std::string& what) {

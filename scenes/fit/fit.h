@@ -21,8 +21,7 @@ Objective parse_objective(const std::string& name);
 
 /// How `cover` gives points to balls.
 /// nearest: to the ball whose outside volume is least when it reaches from zero radius to the point
-/// flood:   as published: one after the other by a flood fill, to the ball that grows most cheaply from its radius so
-/// far
+/// flood:   as published: one after the other by a flood fill, to the ball that grows most cheaply from its radius then
 enum class Assignment { nearest, flood };
 
 struct FitRequest {
@@ -49,11 +48,11 @@ using FitProgress = std::function<void(const std::string& stage, double share)>;
 SphereSet fit_spheres(const Mesh& mesh, const FitRequest& request, const std::string& what = "sphere fit",
                       const FitProgress& progress = {});
 
-/// The same from the cache folder if it holds it; computed and stored otherwise.
+/// What fit_spheres() returns, from the cache folder if it holds it; computed and stored there otherwise.
 SphereSet cached_fit(const Mesh& mesh, const FitRequest& request, const std::string& what,
                      const FitProgress& progress = {});
 
-/// The same if the cache folder holds it; nothing is fitted.
+/// A fit that the cache folder holds, or nothing: nothing is fitted.
 std::optional<SphereSet> fit_in_cache(const Mesh& mesh, const FitRequest& request);
 
 /// `volume` and `outside` by triangles of the union's surface, exactly; what spheres share outside, and so `excess`,

@@ -16,7 +16,7 @@ struct FitPoints {
   int cells() const { return int(neighbours.size()); }
 };
 
-/// Lattice of `spacing` metres; inside points only where the rows know of them.
+/// The points of a solid, on a lattice of `spacing` metres; inside points only where the rows know of them.
 FitPoints sample_points(const Mesh& solid, const SolidRows& rows, double spacing);
 
 /// Centres of lattice cells that lie inside.

@@ -14,7 +14,7 @@ namespace penumbra {
 /// the foot of the perpendicular from o, and has elementary area and solid angle.
 double outside_volume(const Mesh& solid, const Sphere& sphere);
 
-/// Sum over the spheres; what two spheres share outside counts twice, as in the paper.
+/// Sum of the spheres' volumes outside the solid, cubic metres; what two share outside counts twice, as in the paper.
 double outside_volume(const Mesh& solid, const SphereSet& set);
 
 }  // namespace penumbra

@@ -14,9 +14,9 @@ class TriangleTree {
 
   explicit TriangleTree(const Mesh& mesh);
 
-  /// Relative to origin(), metres.
+  /// A triangle's corners relative to origin(), metres.
   const Corners& corners(unsigned triangle) const { return corners_[triangle]; }
-  /// Unit; zero for a triangle without area.
+  /// A triangle's unit normal; zero for one without area.
   const dvec3& normal(unsigned triangle) const { return normal_[triangle]; }
   const dvec3& origin() const { return origin_; }
   /// What is nearer than this coincides, metres: far more than double rounds, far less than float does.

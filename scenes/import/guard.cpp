@@ -53,15 +53,6 @@ class File {
   int descriptor_;
 };
 
-/// Sanitizers reserve terabytes of address space and install handlers of their own.
-constexpr bool sanitized() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  return true;
-#else
-  return false;
-#endif
-}
-
 void limit(__rlimit_resource resource, rlim_t most) {
   rlimit now = {};
   if (getrlimit(resource, &now) != 0 || now.rlim_cur <= most) return;
@@ -83,14 +74,14 @@ rlim_t data_in_use() {
 /// The child dies by the default action of its signals, silently, with its parent, and when its time is up.
 void prepare_child(double seconds, std::size_t bytes) {
   for (const int signal : {SIGINT, SIGTERM, SIGALRM, SIGABRT}) std::signal(signal, SIG_DFL);
-  if (!sanitized())
+  if (!sanitized)
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   limit(RLIMIT_CORE, 0);
-  if (!sanitized()) limit(RLIMIT_DATA, data_in_use() + (rlim_t(4) << 30) + rlim_t(200) * bytes);
+  if (!sanitized) limit(RLIMIT_DATA, data_in_use() + (rlim_t(4) << 30) + rlim_t(200) * bytes);
   itimerval timer = {};
   timer.it_value.tv_sec = time_t(seconds);
   timer.it_value.tv_usec = suseconds_t(1e6 * (seconds - double(timer.it_value.tv_sec)));

@@ -11,6 +11,15 @@
 
 namespace penumbra {
 
+/// Sanitizers reserve terabytes of address space and install handlers of their own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool sanitized = true;
+#elif defined(__has_feature)
+inline constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+inline constexpr bool sanitized = false;
+#endif
+
 /// The child's side: arrays for the parent, in order, and lines for its log. The child must not log by itself: another
 /// thread may have held the logger's lock when the process was forked.
 class Outbox {

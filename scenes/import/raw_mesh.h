@@ -33,8 +33,8 @@ struct RawMesh {
   /// precision; 0 if not.
   double spacing = 0.0;
 
-  /// Triangles of a polygon of three corners and more; fewer are points and lines, and left out. `mirrored` turns the
-  /// winding around. Every position must be there already.
+  /// Adds the triangles of a polygon; fewer than three corners are points and lines, and left out. `mirrored` turns
+  /// the winding around. Every position must be there already.
   void add_polygon(std::span<const Corner> corners, bool file_normals, bool mirrored = false);
   /// Gives one triangle its own normal.
   void make_flat(RawTriangle& triangle);
@@ -43,7 +43,7 @@ struct RawMesh {
 /// Distance of neighbouring single-precision numbers at the largest coordinate.
 double float_spacing(std::span<const dvec3> positions);
 
-/// Of any length but zero and infinite ones, which mean nothing and become zero.
+/// A normal of any length at length 1; zero and infinite ones mean nothing and become zero.
 dvec3 unit_or_zero(dvec3 normal);
 
 /// For each position, the number of the first equal one (0 and -0 are equal).

@@ -18,7 +18,7 @@ RawMesh read_ply(const std::string& path, Outbox& says);
 /// also looks for them in the working folder, and refuses buffers longer than said and data URIs of most media types.
 RawMesh read_gltf(const std::string& path, Outbox& says);
 
-/// Whatever Assimp knows.
+/// Whatever Assimp knows, in single precision.
 RawMesh read_with_assimp(const std::string& path, Outbox& says);
 
 }  // namespace penumbra

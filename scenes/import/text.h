@@ -7,10 +7,10 @@
 
 namespace penumbra {
 
-/// All bytes. Throws Error if the file cannot be read.
+/// All bytes of a file. Throws Error if it cannot be read.
 std::string read_bytes(const std::string& path);
 
-/// Without a UTF-8 byte-order mark. Throws Error naming `path` if the text is UTF-16 or not text at all.
+/// The bytes without a UTF-8 byte-order mark. Throws Error naming `path` if the text is UTF-16 or not text at all.
 std::string_view text_of(const std::string& bytes, const std::string& path);
 
 /// A whole token as a number, correctly rounded: `+1`, `.5`, `5.`, `1e-3`, `nan`, `inf`; too large is infinite, too
@@ -20,8 +20,7 @@ std::optional<double> to_number(std::string_view token);
 /// The next token of `rest`, which it leaves; empty at the end. Blanks and line ends separate tokens.
 std::string_view next_token(std::string_view& rest);
 
-/// Lines that end at LF, CRLF or CR; # begins a comment; a backslash at the end of a line (not of a comment) joins the
-/// next.
+/// Lines that end at LF, CRLF or CR. # begins a comment; a backslash that ends a line, but no comment, joins the next.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}

@@ -1,5 +1,5 @@
-// Which texels spheres block, vectorised over spheres and texels. Included once per instruction set by the kernels of
-// techniques (Highway's -inl.h pattern); bits are identical to merge_spheres() and rasterise_spheres().
+// Which texels block a receiver's light, vectorised over spheres, rows and texels. Included once per instruction set by
+// the kernels of techniques (Highway's -inl.h pattern); bits are identical to merge_spheres() and rasterise_spheres().
 #if defined(PENUMBRA_BLOCKED_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef PENUMBRA_BLOCKED_INL_H_
 #undef PENUMBRA_BLOCKED_INL_H_
@@ -8,50 +8,13 @@
 #endif
 
 #include <hwy/cache_control.h>
-#include <hwy/highway.h>
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstring>
-
-#include "scenes/cube_map.h"
-#include "techniques/bases/blocked.h"
+#include "techniques/bases/cap_rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace penumbra {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-using Floats = hn::ScalableTag<float>;
-using Words = hn::ScalableTag<std::uint32_t>;
-using Ints = hn::ScalableTag<std::int32_t>;
-using VF = hn::Vec<Floats>;
-
-constexpr int most_lines = 48;  // n = 64
-
-/// Blocked texels of one receiver, and which lines have any.
-struct Blocked {
-  HWY_ALIGN std::uint32_t words[most_lines * words_per_line];
-  std::uint64_t touched;  ///< lines not in here are open and their words are not written
-};
-
-/// Zeroes a line when it is first touched.
-HWY_INLINE std::uint32_t* Touch(Blocked& blocked, int line) {
-  std::uint32_t* words = blocked.words + line * words_per_line;
-  if (!(blocked.touched >> line & 1u)) {
-    blocked.touched |= std::uint64_t(1) << line;
-    const Words d;
-    for (int w = 0; w < words_per_line; w += int(hn::Lanes(d))) hn::Store(hn::Zero(d), d, words + w);
-  }
-  return words;
-}
-
-HWY_INLINE void BlockEverything(Blocked& blocked, int lines) {
-  const Words d;
-  blocked.touched = ~std::uint64_t(0) >> (64 - lines);
-  for (int w = 0; w < lines * words_per_line; w += int(hn::Lanes(d))) hn::Store(hn::Set(d, ~0u), d, blocked.words + w);
-}
 
 // --- spheres through the table ---------------------------------------------------------------------------------------
 
@@ -63,7 +26,8 @@ HWY_INLINE void FindEntries(const BlockedJob& job, int first, int count, vec3 x,
   const Floats d;
   const Ints di;
   const SphereLanes& s = *job.spheres;
-  const int n = job.table->n();
+  const SphereTable::Bins& bins = job.table->bins();
+  const int n = job.table->shape().edge;
   const VF zero = hn::Zero(d), one = hn::Set(d, 1.0f), half_n = hn::Set(d, 0.5f * float(n));
   for (int i = 0; i < count; i += int(hn::Lanes(d))) {
     const int k = first + i;
@@ -76,9 +40,14 @@ HWY_INLINE void FindEntries(const BlockedJob& job, int first, int count, vec3 x,
     const VF ratio2 = hn::Div(r2, d2);
 
     auto bin = hn::Zero(di);
-    for (int b = 0; b + 1 < SphereTable::bins; ++b) {
-      const auto above = hn::RebindMask(di, hn::Ge(ratio2, hn::Set(d, job.table->thresholds()[b])));
-      bin = hn::Sub(bin, hn::VecFromMask(di, above));  // a mask is -1
+    if (bins.per_ratio > 0.0f) {
+      bin = hn::ConvertTo(
+          di, hn::Min(hn::Mul(hn::Sqrt(ratio2), hn::Set(d, bins.per_ratio)), hn::Set(d, float(bins.count))));
+    } else {
+      for (int b = 0; b + 1 < SphereTable::published_bins; ++b) {  // the last is above every ratio
+        const auto above = hn::RebindMask(di, hn::Ge(ratio2, hn::Set(d, bins.upper[b])));
+        bin = hn::Sub(bin, hn::VecFromMask(di, above));  // a mask is -1
+      }
     }
 
     // cube_face() and cube_coordinate()
@@ -102,125 +71,128 @@ HWY_INLINE void FindEntries(const BlockedJob& job, int first, int count, vec3 x,
     const auto face = hn::Add(axis, hn::IfThenElse(hn::RebindMask(di, positive), hn::Zero(di), hn::Set(di, 1)));
     const auto texel =
         hn::Add(hn::Mul(hn::Add(hn::Mul(face, hn::Set(di, n)), to_index(v)), hn::Set(di, n)), to_index(u));
-    auto entry = hn::Add(hn::Mul(texel, hn::Set(di, SphereTable::bins)), bin);
-    entry = hn::IfThenElse(hn::RebindMask(di, hn::Lt(r2, d2)), entry, hn::Set(di, -1));
-    entry = hn::IfThenElse(hn::RebindMask(di, hn::Gt(r2, zero)), entry, hn::Set(di, -2));
+    const auto beyond = hn::Gt(bin, hn::Set(di, bins.count - 1));
+    auto entry = hn::Add(hn::Mul(texel, hn::Set(di, bins.count)), bin);
+    entry = hn::IfThenElse(beyond, hn::Set(di, beyond_table), entry);
+    entry = hn::IfThenElse(hn::RebindMask(di, hn::Lt(r2, d2)), entry, hn::Set(di, blocks_everything));
+    entry = hn::IfThenElse(hn::RebindMask(di, hn::Gt(r2, zero)), entry, hn::Set(di, blocks_nothing));
     hn::StoreU(entry, di, entries + i);
   }
 }
 
-HWY_INLINE void MergeTable(const BlockedJob& job, vec3 x, std::uint64_t active, int lines, Blocked& blocked) {
-  const Words d;
-  const std::uint32_t* data = job.table->data();
-  const std::uint16_t* masks = job.table->masks();
-  const int words = job.table->words();
-  HWY_ALIGN std::int32_t entries[chunk];
-  HWY_ALIGN std::uint32_t wanted[chunk];
-  for (int first = 0; first < job.spheres->padded(); first += chunk) {
-    const int count = std::min(chunk, job.spheres->padded() - first);
-    FindEntries(job, first, count, x, entries);
-    for (int i = 0; i < count; ++i) {
-      if (entries[i] == -1) return BlockEverything(blocked, lines);
-      wanted[i] = entries[i] < 0 ? 0u : std::uint32_t(masks[entries[i]] & active);
-      for (std::uint32_t left = wanted[i]; left; left &= left - 1)
-        hwy::Prefetch(data + std::size_t(entries[i]) * words + std::countr_zero(left) * words_per_line);
+/// Spheres of a chunk that the table does not go up to.
+struct Beyond {
+  HWY_ALIGN float x[chunk] = {}, y[chunk] = {}, z[chunk] = {}, radius[chunk] = {};
+  int count = 0;
+  HWY_INLINE void add(const SphereLanes& s, int k) {
+    x[count] = s.x[k], y[count] = s.y[k], z[count] = s.z[k], radius[count] = s.radius[k];
+    ++count;
+  }
+  HWY_INLINE void rasterise(const LineCones& cones, vec3 at, std::uint64_t active, RowQueue& queue, Blocked& blocked) {
+    if (count == 0) return;
+    while (count % 16) radius[count++] = 0.0f;
+    RasteriseSpheres(cones, x, y, z, radius, count, at, active, queue, blocked);
+    count = 0;
+  }
+};
+
+/// The search for the texels that block a receiver's light, with what it needs to hand.
+class Search {
+ public:
+  HWY_INLINE explicit Search(const BlockedJob& job)
+      : job_(job), traced_(job.rays ? job.cones->n : 0), queue_(*job.cones, blocked) {}
+
+  Blocked blocked;
+  Horizon horizon;
+
+  /// Looks from receiver i at the lines above its horizon.
+  HWY_INLINE void look(int i) {
+    horizon.assign(*job_.cones, job_.receivers->normal[i]);
+    look(i, horizon.active);
+  }
+
+  /// Blocks what lies below the horizon.
+  HWY_INLINE void hide_below() {
+    const Words d;
+    for (int line = 0; line < lines_of(job_.cones->n); ++line) {
+      const bool above = horizon.active >> line & 1u;
+      if (above && !(horizon.cut >> line & 1u)) continue;
+      std::uint32_t* words = Touch(blocked, line);
+      const std::uint32_t* below = horizon.below + line * words_per_line;
+      for (int w = 0; w < words_per_line; w += int(hn::Lanes(d)))
+        hn::Store(above ? hn::Or(hn::Load(d, words + w), hn::Load(d, below + w)) : hn::Set(d, ~0u), d, words + w);
     }
-    for (int i = 0; i < count; ++i)
-      for (std::uint32_t left = wanted[i]; left; left &= left - 1) {
-        const int line = std::countr_zero(left);
-        const std::uint32_t* from = data + std::size_t(entries[i]) * words + line * words_per_line;
-        std::uint32_t* to = Touch(blocked, line);
-        for (int w = 0; w < words_per_line; w += int(hn::Lanes(d)))
-          hn::Store(hn::Or(hn::Load(d, to + w), hn::LoadU(d, from + w)), d, to + w);
+  }
+
+  /// Looks from receiver i at the lines of `active`.
+  HWY_INLINE void look(int i, std::uint64_t active) {
+    const Receivers& r = *job_.receivers;
+    blocked.touched = 0;
+    if (job_.rays) {
+      traced_.fill(false);
+      trace_texels(*job_.rays, r.ray_origin(i), r.normal[i], *job_.directions, true, traced_);
+      std::copy(traced_.words.begin(), traced_.words.end(), blocked.words);
+      blocked.touched = ~std::uint64_t(0) >> (64 - lines_of(job_.cones->n));
+    } else if (!r.on_occluder[i]) {  // an object's own spheres swallow its surface
+      const bool outside = job_.table ? merge_table(r.position[i], active) : rasterise(r.position[i], active);
+      queue_.flush();
+      if (!outside) BlockEverything(blocked, lines_of(job_.cones->n));
+    }
+  }
+
+ private:
+  HWY_INLINE bool rasterise(vec3 x, std::uint64_t active) {
+    const SphereLanes& s = *job_.spheres;
+    return RasteriseSpheres(*job_.cones, s.x.data(), s.y.data(), s.z.data(), s.radius.data(), s.padded(), x, active,
+                            queue_, blocked);
+  }
+
+  HWY_INLINE bool merge_table(vec3 x, std::uint64_t active) {
+    const TableEntry* all = job_.table->entries().data();
+    const std::uint32_t* data = job_.table->data().data();
+    const auto seen = std::uint32_t(active);  // tables are of 12 lines at most
+    HWY_ALIGN std::int32_t entries[chunk];
+    for (int first = 0; first < job_.spheres->padded(); first += chunk) {
+      const int count = std::min(chunk, job_.spheres->padded() - first);
+      FindEntries(job_, first, count, x, entries);
+      for (int i = 0; i < count; ++i) {
+        if (entries[i] == blocks_everything) return false;
+        if (entries[i] >= 0) hwy::Prefetch(all + entries[i]);
       }
-  }
-}
-
-// --- spheres exactly -------------------------------------------------------------------------------------------------
-
-/// Rows [low, high) of a face that a cap can reach: the tangent planes through the face's s axis. With the cap's axis
-/// (b, w) along t and the face, t is within where (b - t w)^2 <= sin^2 (1 + t^2). One row of slack covers rounding.
-HWY_INLINE void RowRange(float b, float w, float sine, int n, int& low, int& high) {
-  low = 0, high = n;
-  const float denominator = w * w - sine * sine;
-  if (w <= 0.0f || denominator <= 1e-4f) return;
-  const float root = sine * std::sqrt(std::max(0.0f, b * b + denominator));
-  const float half_n = 0.5f * float(n);
-  low = std::max(0, int(std::floor(((b * w - root) / denominator + 1.0f) * half_n - 1.5f)));
-  high = std::min(n, int(std::ceil(((b * w + root) / denominator + 1.0f) * half_n + 1.5f)));
-}
-
-/// Do the cap and a line's bounding cone (angular radii theta and rho) share a direction? They do when the angle
-/// between the axes is at most theta + rho; always when that exceeds pi. Errs on the side of yes.
-HWY_INLINE bool ConesMeet(const Cap& cap, float sine, vec3 axis, float line_cosine, float line_sine) {
-  const float sine_of_sum = sine * line_cosine + cap.cosine * line_sine;
-  const float cosine_of_sum = cap.cosine * line_cosine - sine * line_sine;
-  return sine_of_sum <= 0.0f || dot_in_order(axis, cap.axis) >= cosine_of_sum - 1e-5f;
-}
-
-/// Sets the bits of texels [begin, end), whole words of one line, that the cap covers.
-HWY_INLINE void RasteriseLine(const LineCones& cones, const Cap& cap, int line, int begin, int end, Blocked& blocked) {
-  const Floats d;
-  const int lanes = int(hn::Lanes(d));
-  const VF vx = hn::Set(d, cap.axis.x), vy = hn::Set(d, cap.axis.y), vz = hn::Set(d, cap.axis.z);
-  const VF cosine = hn::Set(d, cap.cosine);
-  std::uint32_t* words = Touch(blocked, line) - line * words_per_line;
-  for (int t = begin; t < end; t += 32) {
-    std::uint32_t bits = 0;
-    for (int k = 0; k < 32; k += lanes) {
-      const VF dot = hn::Add(hn::Add(hn::Mul(hn::LoadU(d, &cones.direction[0][t + k]), vx),
-                                     hn::Mul(hn::LoadU(d, &cones.direction[1][t + k]), vy)),
-                             hn::Mul(hn::LoadU(d, &cones.direction[2][t + k]), vz));
-      std::uint8_t packed[8] = {};
-      hn::StoreMaskBits(d, hn::Ge(dot, cosine), packed);
-      std::uint32_t part;
-      std::memcpy(&part, packed, sizeof part);
-      bits |= (lanes == 32 ? part : part & ((1u << (lanes & 31)) - 1u)) << k;
-    }
-    words[t / 32] |= bits;
-  }
-}
-
-HWY_INLINE void RasteriseSpheres(const BlockedJob& job, vec3 x, std::uint64_t active, int lines, Blocked& blocked) {
-  const LineCones& cones = *job.cones;
-  for (int i = 0; i < job.spheres->padded(); ++i) {
-    const SphereLanes& s = *job.spheres;
-    const Cap cap = make_cap({s.x[i], s.y[i], s.z[i]}, s.radius[i], x);
-    if (cap.cosine > 1.0f) continue;
-    if (cap.cosine < -1.0f) return BlockEverything(blocked, lines);
-    const float sine = std::sqrt(1.0f - cap.cosine * cap.cosine) + 1e-5f;
-    for (std::uint64_t left = active; left; left &= left - 1) {
-      const int line = std::countr_zero(left);
-      if (!ConesMeet(cap, sine, cones.axis[line], cones.cosine[line], cones.sine[line])) continue;
-      int begin = line * texels_per_line, end = begin + texels_per_line;
-      if (cones.n >= 32) {  // a line is within one face
-        const int face = begin / (cones.n * cones.n), first = face * cones.n * cones.n;
-        const vec3 major = cube_direction(face, 0.0f, 0.0f), down = cube_direction(face, 0.0f, 1.0f) - major;
-        int low, high;
-        RowRange(glm::dot(cap.axis, down), glm::dot(cap.axis, major), sine, cones.n, low, high);
-        begin = std::max(begin, first + low * cones.n);
-        end = std::min(end, first + high * cones.n);
+      TableEntry found[chunk];
+      for (int i = 0; i < count; ++i) {
+        found[i] = entries[i] >= 0 ? all[entries[i]] : TableEntry{0, 0};
+        for (std::uint32_t left = found[i].lines & seen; left; left &= left - 1)
+          hwy::Prefetch(line_of(found[i], left, data));
       }
-      if (begin < end) RasteriseLine(cones, cap, line, begin, end, blocked);
+      for (int i = 0; i < count; ++i) {
+        for (std::uint32_t left = found[i].lines & seen; left; left &= left - 1)
+          merge(line_of(found[i], left, data), Touch(blocked, std::countr_zero(left)));
+        if (entries[i] == beyond_table) beyond_.add(*job_.spheres, first + i);
+      }
+      beyond_.rasterise(*job_.cones, x, active, queue_, blocked);
     }
+    return true;
   }
-}
 
-/// Texels of the lines in `active` that the occluder blocks for receiver i. `traced` is scratch for rays.
-HWY_INLINE void FindBlocked(const BlockedJob& job, int i, std::uint64_t active, BitCube& traced, Blocked& blocked) {
-  const Receivers& r = *job.receivers;
-  const int lines = lines_of(job.cones->n);
-  blocked.touched = 0;
-  if (job.rays) {
-    traced.fill(false);
-    trace_texels(*job.rays, r.ray_origin(i), r.normal[i], *job.directions, true, traced);
-    std::copy(traced.words.begin(), traced.words.end(), blocked.words);
-    blocked.touched = ~std::uint64_t(0) >> (64 - lines);
-  } else if (!r.on_occluder[i]) {  // an object's own spheres swallow its surface
-    if (job.table) MergeTable(job, r.position[i], active, lines, blocked);
-    else RasteriseSpheres(job, r.position[i], active, lines, blocked);
+  /// Where an entry keeps the first of some of its lines.
+  static HWY_INLINE const std::uint32_t* line_of(const TableEntry& entry, std::uint32_t some,
+                                                 const std::uint32_t* data) {
+    const int before = std::popcount(entry.lines & ((some & -some) - 1u));
+    return data + std::size_t(entry.first + std::uint32_t(before)) * words_per_line;
   }
-}
+
+  static HWY_INLINE void merge(const std::uint32_t* from, std::uint32_t* to) {
+    const Words d;
+    for (int w = 0; w < words_per_line; w += int(hn::Lanes(d)))
+      hn::Store(hn::Or(hn::Load(d, to + w), hn::Load(d, from + w)), d, to + w);
+  }
+
+  const BlockedJob& job_;
+  BitCube traced_;
+  RowQueue queue_;
+  Beyond beyond_;
+};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace penumbra

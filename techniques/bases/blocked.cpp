@@ -16,6 +16,8 @@ void SphereLanes::assign(const SphereSet& set) {
 
 void LineCones::assign(int edge, const std::vector<vec3>& directions) {
   n = edge;
+  row_centre.assign(std::size_t(edge + 15) / 16 * 16, 0.0f);
+  for (int row = 0; row < edge; ++row) row_centre[row] = cube_centre(row, edge);
   for (int c = 0; c < 3; ++c) {
     direction[c].clear();
     for (const vec3& w : directions) direction[c].push_back(w[c]);

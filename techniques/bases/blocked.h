@@ -19,6 +19,7 @@ struct SphereLanes {
 /// Texel centres as separate coordinates, and a bounding cone of each line of 512 texels.
 struct LineCones {
   int n = 0;
+  std::vector<float> row_centre;  ///< coordinate of a face's rows, padded to a multiple of 16
   std::vector<float> direction[3];
   std::vector<vec3> axis;
   std::vector<float> sine, cosine;

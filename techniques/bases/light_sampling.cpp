@@ -17,6 +17,19 @@ std::uint32_t morton(std::uint32_t x, std::uint32_t y) {
   return code;
 }
 
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr LightSample black_sample = {{0, 1, 0}, infinity, vec3(0.0f)};
+
+/// k samples, one in each of k equal strata of u.
+template <class Sample>
+void stratify(int k, std::uint64_t stream, std::vector<LightSample>& samples, const Sample& sample) {
+  samples.resize(std::size_t(k));
+  for (int i = 0; i < k; ++i) {
+    const RandomTriple r = random_triple(stream, std::uint32_t(i));
+    samples[i] = sample((double(i) + double(r.x)) / k, r.y, r.z);
+  }
+}
+
 }  // namespace
 
 EnvironmentSampler::EnvironmentSampler(const Environment& environment) : environment_(&environment) {
@@ -67,23 +80,25 @@ void EnvironmentSampler::add_cell(int x0, int x1, int y0, int y1) {
   energy_.push_back(float(sum));
 }
 
-void EnvironmentSampler::make_product(vec3 normal, Product& product) const {
-  product.normal = normal;
+void EnvironmentSampler::make_product(const Cone& normals, Product& product) const {
+  product.normals = normals;
   product.cumulative.resize(cells_.size());
+  const vec3 axis = normals.axis;
   double sum = 0.0;
-  for (std::size_t k = 0; k < cells_.size(); ++k) {  // the largest cosine within the cell's cone
-    const float c = normal.x * axis_x_[k] + normal.y * axis_y_[k] + normal.z * axis_z_[k];
+  for (std::size_t k = 0; k < cells_.size(); ++k) {  // the largest cosine between the two cones
+    const float c = axis.x * axis_x_[k] + axis.y * axis_y_[k] + axis.z * axis_z_[k];
     const float s = std::sqrt(std::max(0.0f, 1.0f - c * c));
-    const float nearest = c >= cos_radius_[k] ? 1.0f : c * cos_radius_[k] + s * sin_radius_[k];
+    const float cos_reach = cos_radius_[k] * normals.cosine - sin_radius_[k] * normals.sine;
+    const float sin_reach = sin_radius_[k] * normals.cosine + cos_radius_[k] * normals.sine;
+    const bool overlap = c >= cos_reach || sin_reach < 0.0f;  // below 0: together more than half a turn
+    const float nearest = overlap ? 1.0f : c * cos_reach + s * sin_reach;
     sum += double(energy_[k] * std::max(0.0f, nearest));
     product.cumulative[k] = sum;
   }
 }
 
-LightSample EnvironmentSampler::sample(const Product& product, double u, float v, float w) const {
-  LightSample sample{{0, 1, 0}, std::numeric_limits<float>::infinity(), vec3(0.0f)};
+EnvironmentSampler::Choice EnvironmentSampler::choose(const Product& product, double u, float v, float w) const {
   const double total = product.total();
-  if (!(total > 0.0)) return sample;
   const auto& sums = product.cumulative;
   const double target = std::min(u * total, std::nextafter(total, 0.0));
   const auto k = std::size_t(std::upper_bound(sums.begin(), sums.end(), target) - sums.begin());
@@ -95,14 +110,25 @@ LightSample EnvironmentSampler::sample(const Product& product, double u, float v
   const double inside = std::min((target - before) / cell_weight * cell_energy, std::nextafter(cell_energy, 0.0));
   const auto at = std::upper_bound(first, last, inside);
   const double texel_energy = *at - (at == first ? 0.0 : *(at - 1));
-  const int texel = texels_[std::size_t(at - cumulative_.begin())];
 
+  Choice choice{texels_[std::size_t(at - cumulative_.begin())], {}, 0.0};
   float density;  // per sr within the texel
-  sample.direction = environment_->direction(texel, v, w, &density);
-  const double pdf = cell_weight / total * (texel_energy / cell_energy) * double(density);
-  const float cosine = std::max(0.0f, glm::dot(product.normal, sample.direction));
-  sample.weight = environment_->radiance[texel] * float(double(cosine) / (pi * pdf));
-  return sample;
+  choice.direction = environment_->direction(choice.texel, v, w, &density);
+  choice.pdf = cell_weight / total * (texel_energy / cell_energy) * double(density);
+  return choice;
+}
+
+LightSample EnvironmentSampler::sample(const Product& product, double u, float v, float w) const {
+  if (!(product.total() > 0.0)) return black_sample;
+  const Choice choice = choose(product, u, v, w);
+  const float cosine = std::max(0.0f, glm::dot(product.normals.axis, choice.direction));
+  return {choice.direction, infinity, environment_->radiance[choice.texel] * float(double(cosine) / (pi * choice.pdf))};
+}
+
+LightSample EnvironmentSampler::shared_sample(const Product& product, double u, float v, float w) const {
+  if (!(product.total() > 0.0)) return black_sample;
+  const Choice choice = choose(product, u, v, w);
+  return {choice.direction, infinity, environment_->radiance[choice.texel] * float(1.0 / (pi * choice.pdf))};
 }
 
 vec3 EnvironmentSampler::unshadowed(vec3 normal) const {
@@ -141,20 +167,31 @@ LightSampler::LightSampler(const Light& light) : area_(area_light_of(light)) {
 }
 
 void LightSampler::draw(vec3 position, vec3 normal, int k, std::uint64_t stream, Scratch& scratch) const {
-  scratch.samples.resize(std::size_t(k));
   if (!area_) {
-    if (scratch.product.cumulative.empty() || scratch.product.normal != normal)
-      environment_.make_product(normal, scratch.product);
-    for (int i = 0; i < k; ++i) {
-      const RandomTriple r = random_triple(stream, std::uint32_t(i));
-      scratch.samples[i] = environment_.sample(scratch.product, (double(i) + double(r.x)) / k, r.y, r.z);
-    }
-    return;
+    if (scratch.product.cumulative.empty() || scratch.product.normals.axis != normal)
+      environment_.make_product({normal, 0.0f, 1.0f}, scratch.product);
+    return stratify(k, stream, scratch.samples,
+                    [&](double u, float v, float w) { return environment_.sample(scratch.product, u, v, w); });
   }
+  scratch.samples.resize(std::size_t(k));
   const RandomTriple shift = random_triple(stream, ~0u);
   for (int i = 0; i < k; ++i) {
     const vec2 at = shifted_hammersley(i, k, shift);
     scratch.samples[i] = sample_area(*area_, position, normal, at.x, at.y);
+  }
+}
+
+void LightSampler::draw_shared(const EnvironmentSampler::Product& product, int k, std::uint64_t stream,
+                               std::vector<LightSample>& samples) const {
+  stratify(k, stream, samples,
+           [&](double u, float v, float w) { return environment_.shared_sample(product, u, v, w); });
+}
+
+void LightSampler::face(std::span<const LightSample> shared, vec3 normal, std::vector<LightSample>& own) {
+  own.resize(shared.size());
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    const float cosine = std::max(0.0f, glm::dot(normal, shared[i].direction));
+    own[i] = {shared[i].direction, shared[i].distance, cosine * shared[i].weight};
   }
 }
 

@@ -5,11 +5,17 @@
 // luminance x solid angle, and a point uniformly in the texel. Equal strata of the one number u that drives cell and
 // texel are compact patches of the sphere, so stratifying u stratifies directions (in the manner of Clarberg & Jarosz
 // 2005, flattened to two levels).
+//
+// One distribution may serve all normals within a cone: the largest cosine is then that of any of them to any direction
+// of the cell, so it is positive wherever one of them sees light. Its samples keep L / (pi pdf), and every receiver
+// weighs them by its own cosine: unbiased for each, and a sample below its own horizon costs it no ray.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "scenes/light.h"
+#include "techniques/bases/cap.h"
 
 namespace penumbra {
 
@@ -28,16 +34,20 @@ class EnvironmentSampler {
   /// Keeps a reference to the environment.
   explicit EnvironmentSampler(const Environment& environment);
 
-  /// Distribution over cells for one normal. Reusable storage.
+  /// Distribution over cells for one normal or a cone of them. Reusable storage.
   struct Product {
-    vec3 normal{0.0f};
+    Cone normals{vec3(0.0f), 0.0f, 1.0f};
     std::vector<double> cumulative;  ///< inclusive sums of cell weights
     double total() const { return cumulative.empty() ? 0.0 : cumulative.back(); }
+    std::size_t bytes() const { return cumulative.size() * sizeof(double); }
   };
-  void make_product(vec3 normal, Product& product) const;
+  void make_product(const Cone& normals, Product& product) const;
 
-  /// u in [0, 1) chooses cell and texel, (v, w) the point within the texel. Weight 0 if the product is black.
+  /// u in [0, 1) chooses cell and texel, (v, w) the point within the texel; the weight is that of the normal on the
+  /// axis. Weight 0 if the product is black.
   LightSample sample(const Product& product, double u, float v, float w) const;
+  /// The same sample for whatever normal: its weight is that of cosine 1.
+  LightSample shared_sample(const Product& product, double u, float v, float w) const;
 
   /// Reflected radiance at albedo 1 without any occluder: the sum over all texels, cosine at their centres.
   vec3 unshadowed(vec3 normal) const;
@@ -48,7 +58,13 @@ class EnvironmentSampler {
   struct Cell {
     int first, count;  ///< range in texels_
   };
+  struct Choice {
+    int texel;
+    vec3 direction;
+    double pdf;  ///< per sr
+  };
   void add_cell(int x0, int x1, int y0, int y1);
+  Choice choose(const Product& product, double u, float v, float w) const;
 
   const Environment* environment_ = nullptr;
   std::vector<Cell> cells_;
@@ -67,11 +83,20 @@ class LightSampler {
   /// Reusable storage of one thread. Equal normals in a row share their product.
   struct Scratch {
     EnvironmentSampler::Product product;
-    std::vector<LightSample> samples;
+    std::vector<LightSample> samples, shared;
   };
   /// Fills scratch.samples. Samples are a pure function of the arguments; `stream` tells independent sets apart.
   /// Environment: u = (i + jitter) / k. Area light: Hammersley points, randomly shifted (Cranley & Patterson 1976).
   void draw(vec3 position, vec3 normal, int k, std::uint64_t stream, Scratch& scratch) const;
+
+  /// Environments: k samples for every normal of a cone, stratified as those of draw(), with the weights of cosine 1.
+  void draw_shared(const EnvironmentSampler::Product& product, int k, std::uint64_t stream,
+                   std::vector<LightSample>& samples) const;
+  /// Shared samples as one normal sees them.
+  static void face(std::span<const LightSample> shared, vec3 normal, std::vector<LightSample>& own);
+  void make_product(const Cone& normals, EnvironmentSampler::Product& product) const {
+    environment_.make_product(normals, product);
+  }
 
   /// Scales the samples of one normal, channel by channel, so that unoccluded they give exactly what arrives. The
   /// estimate becomes (exact unshadowed light) x (estimated share that is visible), the ratio estimator of Heitz et al.

@@ -1,12 +1,15 @@
 // bench_rays: what it costs that rays start where rounding ends (scenes/ray_origins.h): placing the origins, once a
 // scene, and tracing from them, against origins lifted by a share of the mesh on the way.
 //
+// And what a mesh that moves costs in a frame: its tree built anew, or refitted (RayScene::move).
+//
 //   bench_rays --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
 #include <benchmark/benchmark.h>
 #include <tbb/task_arena.h>
 
 #include "scenes/ray_origins.h"
 #include "scenes/scene_file.h"
+#include "scenes/tree_decay.h"
 #include "techniques/bases/ray_packets.h"
 
 namespace {
@@ -82,6 +85,31 @@ void placing(benchmark::State& state) {
                          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(placing)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+/// One thread; a frame's tree, the mean over all frames of the motion.
+void tree(benchmark::State& state) {
+  static const Scene scenes_that_move[] = {load_scene("bunny-twisting"), load_scene("torus-knot-twisting")};
+  const Scene& scene = scenes_that_move[state.range(0)];
+  Animation animation(scene);
+  std::vector<Mesh> frames;
+  frames.reserve(animation.frames());
+  for (int k = 0; k < animation.frames(); ++k) frames.push_back(animation.frame(k).mesh);
+  RayScene rays;
+  const TreeDecay decay(frames[0]);
+  double growth = 0.0;
+  for (const Mesh& mesh : frames) growth = std::max(growth, decay.growth(mesh));
+  std::size_t k = 0;
+  tbb::task_arena(1).execute([&] {
+    for (auto _ : state) {
+      const Mesh& mesh = frames[k++ % frames.size()];
+      if (state.range(1)) rays.move(mesh);
+      else rays.build(mesh);
+    }
+  });
+  state.SetLabel(scene.name + (state.range(1) ? ", refitted" : ", rebuilt"));
+  state.counters["growth"] = growth;
+}
+BENCHMARK(tree)->ArgsProduct({{0, 1}, {0, 1}})->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -11,71 +11,107 @@
 #include "scenes/error.h"
 
 namespace penumbra {
+namespace {
+
+void rasterise_sphere(const Sphere& sphere, vec3 x, const std::vector<vec3>& directions, BitCube& blocked) {
+  const Cap cap = make_cap(sphere.centre, sphere.radius, x);
+  for (int t = 0; t < int(directions.size()); ++t)
+    if (covers(cap, directions[t])) blocked.set(t);
+}
+
+/// The words of one direction's entries, bin after bin.
+std::vector<std::uint32_t> bits_of_direction(vec3 axis, const std::vector<vec3>& directions,
+                                             const std::vector<float>& cosines) {
+  // A texel blocked in one bin is blocked in all larger ones: set it in its first bin, then OR upward.
+  const std::size_t words = directions.size() / 32;
+  std::vector<std::uint32_t> bits(cosines.size() * words, 0u);
+  for (std::size_t t = 0; t < directions.size(); ++t) {
+    const float cosine = dot_in_order(directions[t], axis);
+    const auto bin = std::lower_bound(cosines.begin(), cosines.end(), cosine, std::greater<>());
+    if (bin != cosines.end()) bits[std::size_t(bin - cosines.begin()) * words + t / 32] |= 1u << (t % 32);
+  }
+  for (std::size_t w = words; w < bits.size(); ++w) bits[w] |= bits[w - words];
+  return bits;
+}
+
+}  // namespace
 
 void rasterise_spheres(const SphereSet& spheres, vec3 x, const std::vector<vec3>& directions, BitCube& blocked) {
-  for (const Sphere& sphere : spheres.spheres) {
-    const Cap cap = make_cap(sphere.centre, sphere.radius, x);
-    for (int t = 0; t < int(directions.size()); ++t)
-      if (covers(cap, directions[t])) blocked.set(t);
-  }
+  for (const Sphere& sphere : spheres.spheres) rasterise_sphere(sphere, x, directions, blocked);
 }
 
 void SphereTable::Free::operator()(std::uint32_t* p) const {
   std::free(p);
 }
 
-SphereTable::SphereTable(int n, RadiusBins scheme) : n_(n) {
-  if (n != 16 && n != 32) throw Error("sphere table: resolution {} is not 16 or 32", n);
-  for (int k = 0; k < bins; ++k) {
-    const double half = 0.5 * pi;
-    const double upper = scheme == RadiusBins::uniform_angle ? std::sin(half * (k + 1) / bins) : (k + 1.0) / bins;
-    const double middle = scheme == RadiusBins::uniform_angle ? half * (k + 0.5) / bins : std::asin((k + 0.5) / bins);
-    thresholds_[k] = k + 1 < bins ? float(upper * upper) : 2.0f;
-    cosines_[k] = float(std::cos(middle));
+void SphereTable::set_radii() {
+  const double widest = std::sin(shape_.widest);
+  const bool uniform = shape_.scheme == RadiusBins::uniform_ratio;
+  bins_ = {shape_.bins, uniform ? float(shape_.bins / widest) : 0.0f, {}};
+  for (int k = 0; k < shape_.bins; ++k) {
+    const auto ratio = [&](double share) { return uniform ? widest * share : std::sin(shape_.widest * share); };
+    const double middle = ratio((k + 0.5) / shape_.bins), upper = ratio((k + 1.0) / shape_.bins);
+    cosines_.push_back(float(std::sqrt(1.0 - middle * middle)));
+    if (!uniform) bins_.upper[k] = k + 1 < shape_.bins ? float(upper * upper) : 2.0f;
   }
-  const std::size_t huge_page = std::size_t(2) << 20;
-  const std::size_t entries = std::size_t(6) * n * n * bins, size = entries * words() * sizeof(std::uint32_t);
+}
+
+void SphereTable::allocate() {
+  const std::size_t huge_page = std::size_t(2) << 20, size = std::max<std::size_t>(1, data_words_ * 4);
   const std::size_t rounded = (size + huge_page - 1) / huge_page * huge_page;
   data_.reset(static_cast<std::uint32_t*>(std::aligned_alloc(huge_page, rounded)));
   if (!data_) throw std::bad_alloc();
   madvise(data_.get(), rounded, MADV_HUGEPAGE);  // a wish; ordinary pages work too
-  masks_.resize(entries);
-  std::vector<vec3> directions(std::size_t(6) * n * n);
-  for (int t = 0; t < int(directions.size()); ++t) directions[t] = cube_texel_direction(t, n);
-  tbb::parallel_for(0, int(directions.size()), [&](int t) { build_direction(t, directions); });
 }
 
-void SphereTable::build_direction(int texel, const std::vector<vec3>& directions) {
-  std::uint32_t* first = data_.get() + std::size_t(texel) * bins * words();
-  std::fill(first, first + std::size_t(bins) * words(), 0u);
-  // A texel blocked in one bin is blocked in all larger ones: set it in its first bin, then OR upward.
-  for (int t = 0; t < int(directions.size()); ++t) {
-    const float cosine = dot_in_order(directions[t], directions[texel]);
-    const auto bin = std::find_if(cosines_.begin(), cosines_.end(), [=](float c) { return cosine >= c; });
-    if (bin != cosines_.end()) first[(bin - cosines_.begin()) * words() + t / 32] |= 1u << (t % 32);
-  }
-  for (int k = 0; k < bins; ++k) {
-    std::uint32_t* row = first + std::size_t(k) * words();
-    std::uint16_t mask = 0;
-    for (int w = 0; w < words(); ++w) {
-      if (k > 0) row[w] |= row[w - words()];
-      if (row[w]) mask = std::uint16_t(mask | 1u << (w / words_per_line));
+SphereTable::SphereTable(const Shape& shape) : shape_(shape) {
+  if (shape.n != 16 && shape.n != 32) throw Error("sphere table: resolution {} is not 16 or 32", shape.n);
+  set_radii();
+  std::vector<vec3> texels(std::size_t(6) * shape.n * shape.n);
+  for (int t = 0; t < int(texels.size()); ++t) texels[t] = cube_texel_direction(t, shape.n);
+  const int directions = 6 * shape.edge * shape.edge, lines = words() / words_per_line;
+  entries_.resize(std::size_t(directions) * std::size_t(shape.bins));
+  std::vector<std::vector<std::uint32_t>> kept{std::size_t(directions)};
+  tbb::parallel_for(0, directions, [&](int direction) {
+    const auto bits = bits_of_direction(cube_texel_direction(direction, shape.edge), texels, cosines_);
+    for (int bin = 0; bin < shape.bins; ++bin) {
+      TableEntry& entry = entries_[std::size_t(direction) * std::size_t(shape.bins) + std::size_t(bin)];
+      entry = {std::uint32_t(kept[direction].size()) / words_per_line, 0};
+      for (int line = 0; line < lines; ++line) {
+        const auto begin = bits.begin() + (bin * lines + line) * words_per_line, end = begin + words_per_line;
+        if (std::all_of(begin, end, [](std::uint32_t w) { return w == 0; })) continue;
+        entry.lines |= 1u << line;
+        kept[direction].insert(kept[direction].end(), begin, end);
+      }
     }
-    masks_[std::size_t(texel) * bins + k] = mask;
+  });
+  for (const auto& words_of : kept) data_words_ += words_of.size();
+  allocate();
+  std::size_t at = 0;
+  for (int direction = 0; direction < directions; ++direction) {
+    for (int bin = 0; bin < shape.bins; ++bin)
+      entries_[std::size_t(direction) * std::size_t(shape.bins) + std::size_t(bin)].first +=
+          std::uint32_t(at / words_per_line);
+    std::copy(kept[direction].begin(), kept[direction].end(), data_.get() + at);
+    at += kept[direction].size();
+    std::vector<std::uint32_t>().swap(kept[direction]);
   }
 }
 
-std::size_t SphereTable::bytes() const {
-  return masks_.size() * (words() * sizeof(std::uint32_t) + sizeof(std::uint16_t));
+void SphereTable::merge(int entry, BitCube& blocked) const {
+  const auto [first, lines] = entries_[entry];
+  const std::uint32_t* from = data_.get() + std::size_t(first) * words_per_line;
+  for (std::uint32_t left = lines; left; left &= left - 1, from += words_per_line)
+    for (int w = 0; w < words_per_line; ++w) blocked.words[std::countr_zero(left) * words_per_line + w] |= from[w];
 }
 
-void merge_spheres(const SphereTable& table, const SphereSet& spheres, vec3 x, BitCube& blocked) {
+void merge_spheres(const SphereTable& table, const SphereSet& spheres, vec3 x, const std::vector<vec3>& directions,
+                   BitCube& blocked) {
   for (const Sphere& sphere : spheres.spheres) {
     const int entry = table.entry(sphere.centre, sphere.radius, x);
-    if (entry == blocks_nothing) continue;
     if (entry == blocks_everything) return blocked.fill(true);
-    const auto bits = table.bits(entry);
-    for (std::size_t w = 0; w < bits.size(); ++w) blocked.words[w] |= bits[w];
+    if (entry == beyond_table) rasterise_sphere(sphere, x, directions, blocked);
+    else if (entry != blocks_nothing) table.merge(entry, blocked);
   }
 }
 

@@ -1,10 +1,12 @@
-// The precomputed visibility of one sphere: 6 n n directions x 32 angular radii, one bit cube each (144 MiB at n = 32;
-// Zhao & Che 2011, section 3.3).
+// The precomputed visibility of one sphere: a bit cube for every direction of its centre and every angular radius
+// (Zhao & Che 2011, section 3.3). Most entries block little of the cube, so an entry keeps only the lines of 512
+// texels that it has bits in.
 #pragma once
 
 #include <array>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "scenes/cube_map.h"
 #include "techniques/bases/cap.h"
@@ -14,63 +16,103 @@ namespace penumbra {
 /// How r = R / distance is quantised. The paper does not say; uniform in the angle has a third of the area error.
 enum class RadiusBins { uniform_angle, uniform_ratio };
 
-/// What a look-up answers where no entry is needed: the sphere's radius is 0, or the point lies inside it.
-inline constexpr int blocks_nothing = -2, blocks_everything = -1;
+/// What a look-up answers where there is no entry: the sphere's radius is 0, the point lies inside it, or the sphere
+/// looks larger than the table goes and is to be rasterised.
+inline constexpr int blocks_nothing = -2, blocks_everything = -1, beyond_table = -3;
 
-/// Entry for a sphere seen from x: texel of its centre times the number of bins, plus the bin of r = R / distance.
-/// `thresholds`: see SphereTable::thresholds().
-template <class Thresholds>
-PENUMBRA_HD int sphere_table_entry(const Thresholds& thresholds, int n, vec3 centre, float radius, vec3 x) {
+/// Bins of r = R / distance, by their upper ends squared, which costs no root; uniform ones by a product instead.
+/// `Squares`: 32 upper ends; anything with [].
+template <class Squares>
+struct BinsOf {
+  int count;
+  float per_ratio;  ///< bins in a ratio of 1 if uniform, else 0
+  Squares upper;
+
+  /// The number of bins if r is beyond the last.
+  PENUMBRA_HD int find(float ratio2) const {
+    if (per_ratio > 0.0f) {
+      const float at = std::sqrt(ratio2) * per_ratio;
+      return at < float(count) ? int(at) : count;
+    }
+    int bin = 0;
+    while (bin < count && ratio2 >= upper[bin]) ++bin;
+    return bin;
+  }
+};
+
+/// Entry for a sphere seen from x: texel of its centre on faces of edge x edge, times the number of bins, plus the bin.
+template <class Bins>
+PENUMBRA_HD int sphere_table_entry(const Bins& bins, int edge, vec3 centre, float radius, vec3 x) {
   const vec3 to = centre - x;
   const float d2 = dot_in_order(to, to), r2 = radius * radius;
   if (!(r2 > 0.0f)) return blocks_nothing;
   if (!(r2 < d2)) return blocks_everything;
-  const float ratio2 = r2 / d2;
-  int bin = 0;
-  while (ratio2 >= thresholds[bin]) ++bin;
-  return cube_texel(to, n) * 32 + bin;
+  const int bin = bins.find(r2 / d2);
+  return bin < bins.count ? cube_texel(to, edge) * bins.count + bin : beyond_table;
 }
+
+/// The lines that a table's entry has bits in, bit by bit, and where the first of them lies in SphereTable::data(), in
+/// lines; the others follow.
+struct TableEntry {
+  std::uint32_t first, lines;
+};
 
 class SphereTable {
  public:
-  static constexpr int bins = 32;
+  static constexpr int published_bins = 32;
 
-  /// Built in parallel. n is 16 or 32.
-  SphereTable(int n, RadiusBins scheme);
+  /// What a table is made for: texels, directions and radii.
+  struct Shape {
+    int n;           ///< texels along a face's edge, 16 or 32
+    int edge, bins;  ///< 6 edge^2 directions of the centre, `bins` radii (uniform in the angle: published_bins)
+    RadiusBins scheme;
+    double widest;  ///< angular radius, up to which there are entries
+  };
+  /// As published: 6 n n directions, 32 radii up to 90 degrees.
+  static Shape published(int n, RadiusBins scheme) { return {n, n, published_bins, scheme, 0.5 * pi}; }
+  /// Half as many directions again along an edge, and at n = 32 64 radii up to 45 degrees: in less memory than the
+  /// published table takes with all its words. Larger spheres are exact.
+  static Shape fine(int n) { return {n, n * 3 / 2, 2 * n, RadiusBins::uniform_ratio, 0.25 * pi}; }
 
-  int n() const { return n_; }
-  int words() const { return 6 * n_ * n_ / 32; }
-  /// Entry of a sphere seen from x, or blocks_nothing, or blocks_everything.
-  int entry(vec3 centre, float radius, vec3 x) const { return sphere_table_entry(thresholds_, n_, centre, radius, x); }
-  std::span<const std::uint32_t> bits(int entry) const {
-    return {data_.get() + std::size_t(entry) * words(), std::size_t(words())};
+  /// Built in parallel. Throws Error if n is not 16 or 32.
+  explicit SphereTable(const Shape& shape);
+
+  const Shape& shape() const { return shape_; }
+  int words() const { return 6 * shape_.n * shape_.n / 32; }
+  /// Number of the entry of a sphere seen from x, or one of the answers above.
+  int entry(vec3 centre, float radius, vec3 x) const {
+    return sphere_table_entry(bins_, shape_.edge, centre, radius, x);
   }
-  /// Bit k is set where line k of the entry has a blocked texel.
-  std::uint16_t line_mask(int entry) const { return masks_[entry]; }
+  /// ORs an entry's bits into a cube of n x n x 6.
+  void merge(int entry, BitCube& blocked) const;
 
-  const std::uint32_t* data() const { return data_.get(); }
-  const std::uint16_t* masks() const { return masks_.data(); }
-  /// Bin k holds thresholds()[k - 1] <= r^2 < thresholds()[k] (squares cost no root); 31 thresholds and one above every
-  /// r.
-  const std::array<float, bins>& thresholds() const { return thresholds_; }
+  std::span<const TableEntry> entries() const { return entries_; }
+  std::span<const std::uint32_t> data() const { return {data_.get(), data_words_}; }
+  using Bins = BinsOf<std::array<float, published_bins>>;
+  const Bins& bins() const { return bins_; }
   /// Cosine of the angular radius that stands for bin k.
   float cosine(int bin) const { return cosines_[bin]; }
-  std::size_t bytes() const;
+  std::size_t bytes() const { return entries_.size() * sizeof(TableEntry) + data_words_ * sizeof(std::uint32_t); }
 
   struct Free {
     void operator()(std::uint32_t* p) const;
   };
 
  private:
-  void build_direction(int texel, const std::vector<vec3>& directions);
+  void set_radii();
+  void allocate();
 
-  int n_;
-  std::array<float, bins> thresholds_, cosines_;
+  Shape shape_;
+  Bins bins_{};
+  std::vector<float> cosines_;
+  std::vector<TableEntry> entries_;
+  std::size_t data_words_ = 0;
   std::unique_ptr<std::uint32_t[], Free> data_;  // on huge pages where the system gives them: look-ups are random
-  std::vector<std::uint16_t> masks_;
 };
 
-/// ORs the table's entries of all spheres seen from x: the paper's merge, 192 words a sphere.
-void merge_spheres(const SphereTable& table, const SphereSet& spheres, vec3 x, BitCube& blocked);
+/// ORs what the spheres block, seen from x: the table's entries, and exact caps of spheres beyond it. `directions` are
+/// the 6 n n texel centres.
+void merge_spheres(const SphereTable& table, const SphereSet& spheres, vec3 x, const std::vector<vec3>& directions,
+                   BitCube& blocked);
 
 }  // namespace penumbra

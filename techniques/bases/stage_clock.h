@@ -10,9 +10,6 @@ namespace penumbra {
 class StageClock {
  public:
   using Clock = std::chrono::steady_clock;
-  static double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  }
 
   /// Stages that do not run until the next stages() took no time.
   void reset() {
@@ -32,7 +29,7 @@ class StageClock {
   void measure(const std::string& name, const Work& work) {
     const auto start = Clock::now();
     work();
-    set(name, milliseconds_since(start));
+    set(name, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   }
 
   const std::vector<Stage>& stages() const { return stages_; }

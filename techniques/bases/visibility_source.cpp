@@ -5,14 +5,15 @@
 namespace penumbra {
 
 std::vector<Parameter> VisibilitySource::parameters() {
-  return {choice_parameter("visibility", {"table", "raster", "rays"},
-                           "sphere table, exact caps of spheres, or rays against the mesh"),
+  return {choice_parameter("visibility", {"table", "fine", "raster", "rays"},
+                           "spheres through the published table or a finer one, their exact caps, or rays at the mesh"),
           choice_parameter("resolution", {32, 16, 64}, "texels along a cube face edge"),
-          choice_parameter("bins", {"angle", "ratio"}, "radius bins of the table: uniform in the angle or in R / d")};
+          choice_parameter("bins", {"angle", "ratio"},
+                           "radius bins of visibility=table: uniform in the angle or in R / d")};
 }
 
 std::vector<Knob> VisibilitySource::knobs() {
-  return {{"visibility", {"table", "raster"}}, {"resolution", {16, 32}}};
+  return {{"visibility", {"table", "fine", "raster"}}, {"resolution", {16, 32}}};
 }
 
 VisibilitySource::VisibilitySource(const Parameters& p, const std::string& owner)
@@ -20,9 +21,12 @@ VisibilitySource::VisibilitySource(const Parameters& p, const std::string& owner
             : p.text("visibility") == "raster" ? Kind::raster
                                                : Kind::table),
       n_(p.integer("resolution")),
-      bins_(p.text("bins") == "angle" ? RadiusBins::uniform_angle : RadiusBins::uniform_ratio) {
+      shape_(p.text("visibility") == "fine"
+                 ? SphereTable::fine(n_)
+                 : SphereTable::published(
+                       n_, p.text("bins") == "angle" ? RadiusBins::uniform_angle : RadiusBins::uniform_ratio)) {
   if (kind_ == Kind::table && n_ > 32)
-    throw Error("{}: the sphere table exists at resolution 16 and 32, not {}; use visibility=raster", owner, n_);
+    throw Error("{}: sphere tables exist at resolution 16 and 32, not {}; use visibility=raster", owner, n_);
   for (int t = 0; t < 6 * n_ * n_; ++t) directions_.push_back(cube_texel_direction(t, n_));
   cones_.assign(n_, directions_);
 }
@@ -30,7 +34,7 @@ VisibilitySource::VisibilitySource(const Parameters& p, const std::string& owner
 void VisibilitySource::prepare(const Scene& scene) {
   if (kind_ != Kind::rays && scene.spheres.empty()) throw Unsupported("the scene has no spheres");
   if (kind_ == Kind::rays) rays_.build(scene.mesh);
-  if (kind_ == Kind::table && !table_) table_.emplace(n_, bins_);
+  if (kind_ == Kind::table && !table_) table_.emplace(shape_);
   receivers_ = &scene.receivers;
   spheres_ = &scene.spheres;
   lanes_.assign(scene.spheres);
@@ -51,7 +55,7 @@ void VisibilitySource::find_blocked(int i, BitCube& blocked) const {
     return trace_texels(rays_, receivers_->ray_origin(i), receivers_->normal[i], directions_, false, blocked);
   if (receivers_->on_occluder[i]) return;  // an object's own spheres swallow its surface
   if (kind_ == Kind::raster) return rasterise_spheres(*spheres_, x, directions_, blocked);
-  merge_spheres(*table_, *spheres_, x, blocked);
+  merge_spheres(*table_, *spheres_, x, directions_, blocked);
 }
 
 BlockedJob VisibilitySource::job() const {

@@ -11,6 +11,7 @@ namespace penumbra {
 /// rays:   the mesh, one ray per texel centre
 /// raster: the sphere set, exact caps
 /// table:  the sphere set through the precomputed table of Zhao & Che 2011
+/// fine:   the same through a table of more directions and radii in as much memory
 class VisibilitySource {
  public:
   /// "visibility", "resolution" and "bins", for the declarations of techniques.
@@ -42,7 +43,7 @@ class VisibilitySource {
   enum class Kind { rays, raster, table };
   Kind kind_;
   int n_;
-  RadiusBins bins_;
+  SphereTable::Shape shape_;
   std::vector<vec3> directions_;
   LineCones cones_;
   std::optional<SphereTable> table_;

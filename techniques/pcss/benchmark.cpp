@@ -1,10 +1,10 @@
-// bench_pcss: building multi-scale maps (Zhu et al. 2019, Table 1), moment tables, and the quadtree against every
-// texel.
+// bench_pcss: building multi-scale maps (Zhu et al. 2019, Table 1), and the quadtree against every texel.
 #include <benchmark/benchmark.h>
+#include <tbb/task_arena.h>
 
 #include <random>
 
-#include "scenes/shapes.h"
+#include "techniques/bases/shadow_map/benchmark_map.h"
 #include "techniques/pcss/kernel.h"
 
 namespace {
@@ -12,27 +12,12 @@ namespace {
 using namespace penumbra;
 using namespace penumbra::pcss;
 
-/// The map of the scene soft-random.
-const ShadowMap& shadow_map(int edge) {
-  static std::map<int, ShadowMap> maps;
-  const auto [at, fresh] = maps.try_emplace(edge);
-  if (!fresh) return at->second;
-  const Mesh mesh = make_primitives(7);
-  const AreaLight lamp = make_rectangle({1, 5, -0.8f}, {0, 0, 1.2f}, {-1.164f, 0.292f, 0}, vec3(1.0f));
-  const Receivers receivers = make_receivers({PlaneGrid{2.0f, 64, 0.0f}, vec3(1.0f)}, mesh);
-  std::size_t outside = 0;
-  LightViewSettings settings;
-  settings.resolution = edge;
-  at->second.view = make_light_view(lamp, mesh, receivers, settings, outside);
-  trace(RayScene(mesh), at->second);
-  return at->second;
-}
-
 void build(benchmark::State& state, LevelLayout layout) {
-  const ShadowMap& map = shadow_map(int(state.range(0)));
+  const ShadowMap& map = map_of(int(state.range(0)));
   MultiScaleMap levels;
+  tbb::task_arena arena(state.range(1) != 0 ? tbb::task_arena::automatic : 1);
   for (auto _ : state) {
-    levels.build(map, layout, 99, state.range(1) != 0);
+    arena.execute([&] { levels.build(map, layout, 99); });
     benchmark::DoNotOptimize(levels.means());
   }
   state.counters["MiB"] = double(levels.bytes()) / 1048576.0;
@@ -47,16 +32,6 @@ BENCHMARK_CAPTURE(build, reduced, LevelLayout::reduced)
     ->ArgsProduct({{512, 1024, 2048, 4096}, {0, 1}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
-
-void moments(benchmark::State& state) {
-  const ShadowMap& map = shadow_map(int(state.range(0)));
-  MomentTable table;
-  for (auto _ : state) {
-    table.build(map, map.view.farthest, true);
-    benchmark::DoNotOptimize(table.sums(0));
-  }
-}
-BENCHMARK(moments)->Arg(512)->Arg(1024)->Arg(2048)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 /// Squares of 64 texels all over the map, at the ground's depth.
 struct Query {
@@ -75,7 +50,7 @@ std::vector<Query> queries(const ShadowMap& map) {
 
 template <class Sum>
 void each_query(benchmark::State& state, const Sum& sum) {
-  const auto all = queries(shadow_map(1024));
+  const auto all = queries(map_of(1024));
   std::size_t k = 0;
   for (auto _ : state) benchmark::DoNotOptimize(sum(all[k++ % all.size()]));
 }
@@ -85,20 +60,20 @@ Texels texels_of(const Square& s) {
 }
 
 void texels_scalar(benchmark::State& state) {
-  each_query(state, [&](const Query& q) { return blockers_of_texels(shadow_map(1024), texels_of(q.square), q.depth); });
+  each_query(state, [&](const Query& q) { return blockers_of_texels(map_of(1024), texels_of(q.square), q.depth); });
 }
 BENCHMARK(texels_scalar);
 
 void texels_simd(benchmark::State& state) {
   each_query(state,
-             [&](const Query& q) { return simd::blockers_of_texels(shadow_map(1024), texels_of(q.square), q.depth); });
+             [&](const Query& q) { return simd::blockers_of_texels(map_of(1024), texels_of(q.square), q.depth); });
 }
 BENCHMARK(texels_simd);
 
 void quadtree(benchmark::State& state, bool vectorised) {
-  const ShadowMap& map = shadow_map(1024);
+  const ShadowMap& map = map_of(1024);
   MultiScaleMap levels;
-  levels.build(map, LevelLayout::reduced, 6, true);
+  levels.build(map, LevelLayout::reduced, 6);
   const LeafSamples samples(make_sample_image(), map);
   each_query(state, [&](const Query& q) {
     if (vectorised) return simd::blockers_of_square(map, levels, samples, q.square, 3, q.depth, Sum::sampled, true);

@@ -1,8 +1,8 @@
 #include "techniques/pcss/multi_scale_map.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+
+#include "techniques/bases/for_ranges.h"
 
 namespace penumbra::pcss {
 
@@ -58,23 +58,17 @@ void MultiScaleMap::build_rows(int level, int begin, int end) {
   }
 }
 
-void MultiScaleMap::build(const ShadowMap& map, LevelLayout layout, int largest, bool parallel) {
+void MultiScaleMap::build(const ShadowMap& map, LevelLayout layout, int largest) {
   largest = std::clamp(largest, 0, largest_level(map.resolution()));
   layout_ = layout;
   allocate(map.resolution(), largest);
   largest_ = largest;
-  const auto rows_of = [&](int rows, const auto& work) {
-    if (parallel)
-      tbb::parallel_for(tbb::blocked_range<int>(0, rows, 16),
-                        [&](const tbb::blocked_range<int>& r) { work(r.begin(), r.end()); });
-    else work(0, rows);
-  };
-  rows_of(edge_, [&](int begin, int end) {
+  for_ranges(edge_, 16, [&](int begin, int end) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < edge_; ++x) set_texel(x, y, map.at(x, y));
   });
   for (int level = 1; level <= largest; ++level)
-    rows_of(stride(level), [&](int begin, int end) { build_rows(level, begin, end); });
+    for_ranges(stride(level), 16, [&](int begin, int end) { build_rows(level, begin, end); });
 }
 
 }  // namespace penumbra::pcss

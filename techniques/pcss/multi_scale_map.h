@@ -7,10 +7,11 @@
 
 #include <memory>
 
-#include "techniques/pcss/region.h"
-#include "techniques/pcss/shadow_map.h"
+#include "techniques/bases/shadow_map/region.h"
+#include "techniques/bases/shadow_map/shadow_map.h"
 
 namespace penumbra::pcss {
+using namespace shadow_map;  // NOLINT: its base
 
 enum class LevelLayout { full, reduced };
 
@@ -112,8 +113,8 @@ PENUMBRA_HD void MultiScaleLevels<Floats>::merge(int x, int y, int level) const 
 /// The map that owns its numbers.
 class MultiScaleMap : public MultiScaleLevels<float*> {
  public:
-  /// Levels 0 (the map itself) to `largest`, at most floor(log2(resolution)).
-  void build(const ShadowMap& map, LevelLayout layout, int largest, bool parallel);
+  /// Builds levels 0 (the map itself) to `largest`, at most floor(log2(resolution)).
+  void build(const ShadowMap& map, LevelLayout layout, int largest);
   const float* bounds() const { return bounds_; }
   const float* means() const { return mean_; }
   std::size_t bytes() const;
@@ -126,7 +127,7 @@ class MultiScaleMap : public MultiScaleLevels<float*> {
   std::unique_ptr<float[]> bounds_memory_, mean_memory_;
 };
 
-/// Largest level whose squares fit a map.
+/// Returns the largest level whose squares fit a map.
 int largest_level(int edge);
 
 }  // namespace penumbra::pcss

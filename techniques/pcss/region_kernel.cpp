@@ -6,8 +6,6 @@
 
 #include <hwy/highway.h>
 
-#include <cstring>
-
 HWY_BEFORE_NAMESPACE();
 namespace penumbra::pcss::simd {
 namespace HWY_NAMESPACE {
@@ -83,7 +81,7 @@ Blockers BlockersOfTexels(const ShadowMap& map, const Texels& t, float d) {
   const int rows = std::max(1, 4096 / (right - left));  // of floats that are added up before a double takes over
   double count = 0.0, depth_sum = 0.0;
   for (int y = top; y < bottom; y += rows) {
-    const Blockers part = WithVectors([&](auto vectors) {
+    const Blockers part = WithVectors([&](auto vectors) HWY_ATTR {
       return TexelSums<vectors()>(map, left, right, y, y + rows < bottom ? y + rows : bottom, d);
     });
     count += double(part.count), depth_sum += double(part.depth_sum);
@@ -99,16 +97,20 @@ typedef float Quad __attribute__((vector_size(16)));
 typedef std::int32_t QuadMask __attribute__((vector_size(16)));
 
 /// Bit k is set where the mask's number k is not 0.
-HWY_INLINE unsigned Bits(QuadMask mask) {
 #if HWY_TARGET == HWY_SCALAR
+HWY_INLINE unsigned Bits(QuadMask mask) {
   return unsigned((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
-#else
-  const hn::Full128<float> d;
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, hn::MaskFromVec(hn::LoadU(d, reinterpret_cast<const float*>(&mask))), bytes);
-  return bytes[0];
-#endif
 }
+#else
+HWY_INLINE unsigned Bits(hn::Mask<hn::Full128<float> > mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(hn::Full128<float>(), mask, bytes);
+  return bytes[0];
+}
+HWY_INLINE unsigned Bits(QuadMask mask) {
+  return Bits(hn::MaskFromVec(hn::LoadU(hn::Full128<float>(), reinterpret_cast<const float*>(&mask))));
+}
+#endif
 
 /// Sums over the quadtree of one region, depth first.
 template <bool depths>
@@ -155,17 +157,20 @@ class Quadtree {
  private:
   /// Which of four squares block as a whole, and which are undecided.
   HWY_INLINE void Look(const std::size_t* square, unsigned& whole, unsigned& some) const {
-    typedef double Pairs __attribute__((vector_size(16)));
-    const auto pair = [&](std::size_t i) {  // the two bounds of a square as they lie
-      double both;
-      std::memcpy(&both, levels_.bounds() + 2 * i, sizeof both);
-      return both;
-    };
-    const Quad a = Quad(Pairs{pair(square[0]), pair(square[1])}), b = Quad(Pairs{pair(square[2]), pair(square[3])});
-    const Quad low = __builtin_shuffle(a, b, QuadMask{0, 2, 4, 6}),
-               high = __builtin_shuffle(a, b, QuadMask{1, 3, 5, 7});
+    const float* bounds = levels_.bounds();
+#if HWY_TARGET == HWY_SCALAR
+    Quad low, high;
+    for (int k = 0; k < 4; ++k) low[k] = bounds[2 * square[k]], high[k] = bounds[2 * square[k] + 1];
     whole = Bits(high > -limit_);  // high is negated
     some = Bits(low < limit_) & ~whole;
+#else
+    const hn::Full128<float> d;
+    const hn::Full64<float> pair;  // the two bounds of a square as they lie
+    const auto a = hn::Combine(d, hn::LoadU(pair, bounds + 2 * square[1]), hn::LoadU(pair, bounds + 2 * square[0]));
+    const auto b = hn::Combine(d, hn::LoadU(pair, bounds + 2 * square[3]), hn::LoadU(pair, bounds + 2 * square[2]));
+    whole = Bits(hn::Gt(hn::ConcatOdd(d, b, a), hn::Set(d, -limit_)));  // high is negated
+    some = Bits(hn::Lt(hn::ConcatEven(d, b, a), hn::Set(d, limit_))) & ~whole;
+#endif
   }
 
   HWY_INLINE void AddWhole(const std::size_t* square, unsigned whole, float texels) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "techniques/bases/for_ranges.h"
+
 namespace penumbra::pcss {
 
 int needed_level(float width, int edge) {
@@ -10,8 +12,10 @@ int needed_level(float width, int edge) {
   return std::min(snapped_level(texels, Snapping::Size::up), largest_level(edge));
 }
 
-SoftShadow::SoftShadow(const Parameters& parameters, const SoftOptions& options, bool parallel)
-    : AreaShadow(parameters, parallel), options_(options), kernel_(gaussian(options.blur)) {}
+SoftShadow::SoftShadow(const Parameters& parameters, const SoftOptions& options)
+    : AreaShadow(parameters, float(parameters.number("region_bias"))),
+      options_(options),
+      kernel_(gaussian(options.blur)) {}
 
 int SoftShadow::tile_multiple() const {
   return std::lcm(options_.search_reuse.area, options_.filter_reuse.area);
@@ -26,14 +30,14 @@ int SoftShadow::largest_needed() const {
 void SoftShadow::map_changed() {
   if (!options_.multi_scale) return;
   if (samples_.stride() != map_.stride()) samples_ = LeafSamples(make_sample_image(), map_);
-  clock_.measure("levels", [&] { levels_.build(map_, options_.layout, largest_needed(), parallel_); });
+  clock_.measure("levels", [&] { levels_.build(map_, options_.layout, largest_needed()); });
 }
 
 // --- step 1: search regions ------------------------------------------------------------------------------------------
 
 void SoftShadow::find_regions(Tile& tile) const {
   for (int k = 0; k < tile.size(); ++k) {
-    const Region region = search_region(map_.view, levels_, options_, tile.x[k], tile.y[k], tile.depth[k]);
+    const Region region = search_region(map_.view, levels_, options_, tile.at(k));
     tile.width[k] = region.width, tile.square[k] = region.square;
     tile.representative[k] = region.lit ? -1 : k;
   }
@@ -42,7 +46,7 @@ void SoftShadow::find_regions(Tile& tile) const {
 // --- steps 2 and 4: blockers in a region -----------------------------------------------------------------------------
 
 Blockers SoftShadow::blockers_in(const Tile& tile, int k, Sum how, bool depths) const {
-  const float d = tile.depth[k];
+  const float d = blocking_depth(tile.depth[k], tile.rise[k], tile.width[k]);
   if (how == Sum::texels) return blockers_of_texels(map_, texels_of(tile.x[k], tile.y[k], tile.width[k]), d);
   const Square& square = tile.square[k];
   const int leaf_level = std::max(0, square.level - options_.depth);
@@ -75,14 +79,10 @@ void SoftShadow::filter(Tile& tile) const {
 
 void SoftShadow::make_filter_regions(Tile& tile) const {
   for (int k = 0; k < tile.size(); ++k) {
-    if (tile.representative[k] < 0) continue;
-    tile.blocker[k] = tile.blocker[tile.representative[k]];
-  }
-  for (int k = 0; k < tile.size(); ++k) {
     tile.visibility[k] = 1.0f;
     if (tile.representative[k] < 0) continue;
-    const Region region =
-        filter_region(map_.view, levels_.largest(), options_, tile.x[k], tile.y[k], tile.depth[k], tile.blocker[k]);
+    tile.blocker[k] = tile.blocker[tile.representative[k]];
+    const Region region = filter_region(map_.view, levels_.largest(), options_, tile.at(k), tile.blocker[k]);
     tile.width[k] = region.width, tile.square[k] = region.square;
     tile.representative[k] = region.lit ? -1 : k;
   }

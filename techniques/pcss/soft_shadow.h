@@ -1,4 +1,4 @@
-// Percentage-closer soft shadows in three forms of one pipeline:
+// Percentage-closer soft shadows in three forms of one pipeline, each with a file of its own:
 //   pcss       every texel of both regions                                          Fernando 2005
 //   hqepcss    search region refined by a multi-scale map, blocker depth by a quadtree; every texel of the filter
 //              region                                                               Shen et al. 2014
@@ -9,9 +9,10 @@
 //   2 blocker depth  z = mean depth of the region's texels nearer than d
 //   3 filter region  c W(z)
 //   4 shadow         share of its texels that are nearer than d
+// For receivers on the mesh, nearer than blocking_depth() in both, each time by the region's own width.
 #pragma once
 
-#include "techniques/pcss/area_shadow.h"
+#include "techniques/bases/shadow_map/area_shadow.h"
 #include "techniques/pcss/blur.h"
 #include "techniques/pcss/reuse.h"
 #include "techniques/pcss/traversal.h"
@@ -26,7 +27,6 @@ struct SoftOptions {
   LevelLayout layout = LevelLayout::reduced;
   bool build_all = false;  ///< all levels, not only those that the frame's regions need
   bool refine = false;
-  bool overlap = false;  ///< refinement looks at four overlapping squares that cover the region exactly
   Sum search = Sum::texels, filter = Sum::texels;
   int depth = 3;  ///< levels of the quadtree below a region
   Snapping snapping;
@@ -44,11 +44,12 @@ struct Region {
   Square square;       ///< that stands for it, with a multi-scale map
 };
 
-/// Least depth in a region: of its square or, `overlap`, of squares of half the size or more that cover it exactly.
+/// Least depth in a region: of its square or, with Size::overlap, of squares of half the size or more that cover it
+/// exactly.
 template <class Levels>
 PENUMBRA_HD float least_depth(const Levels& levels, const SoftOptions& options, const Square& square, float x, float y,
                               float width) {
-  if (!options.overlap) return levels.low(square);
+  if (options.snapping.size != Snapping::Size::overlap) return levels.low(square);
   int left, right, top, bottom;
   snapped_range(x, width, levels.edge(), options.snapping.inclusive, left, right);
   snapped_range(y, width, levels.edge(), options.snapping.inclusive, top, bottom);
@@ -71,8 +72,9 @@ PENUMBRA_HD float least_depth(const Levels& levels, const SoftOptions& options, 
 
 /// Step 1.
 template <class Levels>
-PENUMBRA_HD Region search_region(const LightView& view, const Levels& levels, const SoftOptions& options, float x,
-                                 float y, float d) {
+PENUMBRA_HD Region search_region(const LightView& view, const Levels& levels, const SoftOptions& options,
+                                 const Projected& at) {
+  const auto& [x, y, d, rise] = at;
   const int n = view.resolution;
   if (!(d > view.near)) return {};
   float width = view.region(view.near, d);
@@ -82,7 +84,7 @@ PENUMBRA_HD Region search_region(const LightView& view, const Levels& levels, co
       const Square square = snap(x, y, width, n, levels.largest(), options.snapping);
       if (square.level < 0) return {};
       const float low = least_depth(levels, options, square, x, y, width);
-      if (!(low < d)) return {};
+      if (!(low < blocking_depth(d, rise, width))) return {};
       const float before = width, refined = view.region(low, d);
       width = refined < before ? refined : before;
       if (before - width < 1.0f) break;
@@ -94,8 +96,9 @@ PENUMBRA_HD Region search_region(const LightView& view, const Levels& levels, co
 }
 
 /// Step 3, for a mean blocker depth; 0: there is none. A shared blocker may lie behind the receiver, and then is none.
-PENUMBRA_HD inline Region filter_region(const LightView& view, int largest, const SoftOptions& options, float x,
-                                        float y, float d, float blocker) {
+PENUMBRA_HD inline Region filter_region(const LightView& view, int largest, const SoftOptions& options,
+                                        const Projected& at, float blocker) {
+  const auto& [x, y, d, rise] = at;
   if (!(blocker > 0.0f) || !(blocker < d)) return {};
   const float width = view.region(blocker, d, options.filter_scale);
   if (!options.multi_scale) return {false, width, {}};
@@ -108,7 +111,7 @@ int needed_level(float width, int edge);
 
 class SoftShadow : public AreaShadow {
  public:
-  SoftShadow(const Parameters& parameters, const SoftOptions& options, bool parallel);
+  SoftShadow(const Parameters& parameters, const SoftOptions& options);
 
  protected:
   void map_changed() override;
@@ -136,12 +139,5 @@ class SoftShadow : public AreaShadow {
 
   MaskedImage image_, between_;
 };
-
-std::vector<Parameter> pcss_parameters();
-std::vector<Parameter> hqepcss_parameters();
-std::vector<Parameter> fast_pcss_parameters();
-SoftOptions pcss_options(const Parameters& p);
-SoftOptions hqepcss_options(const Parameters& p);
-SoftOptions fast_pcss_options(const Parameters& p);
 
 }  // namespace penumbra::pcss

@@ -7,8 +7,8 @@
 // The quadtree is linear: squares of any level and offset are stored, so a node is three numbers.
 #pragma once
 
+#include "techniques/bases/shadow_map/samples.h"
 #include "techniques/pcss/multi_scale_map.h"
-#include "techniques/pcss/samples.h"
 
 namespace penumbra::pcss {
 

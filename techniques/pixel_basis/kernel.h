@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "techniques/bases/blocked.h"
@@ -10,33 +9,31 @@
 
 namespace penumbra::pixel_basis {
 
-/// L dw / pi of every texel, by channel.
-struct LightEnergy {
-  std::vector<float> channel[3];
-  void assign(const CubeLight& light);
-};
+/// Sums of light by where it comes from. The cosine is linear in the normal wherever it is positive:
+///   sum over texels of L (N . w) dw / pi = N . (sum of L w dw / pi),
+/// so nine numbers, three channels by three axes, serve receivers of any normal.
+struct LightSums {
+  /// L w dw / pi by channel, an axis in each of the first three of its four places.
+  struct alignas(64) Nine {
+    float value[16] = {};
+  };
+  /// Of each word's texels up to this one, and from this one on; of each line's words alike. The last element is 0.
+  std::vector<Nine> up_to, from, words_up_to, words_from;
+  std::vector<Nine> texel, line;
 
-/// Everything that depends on the normal alone: p_t L_t dw_t, and its sums over words and lines.
-struct NormalWeights {
-  vec3 normal{0.0f};
-  std::uint64_t active = 0;  ///< lines with a texel above the horizon
-  std::vector<float> texel[3];
-  std::vector<float> word[3];  ///< sums over 32 texels
-  std::vector<vec3> line;      ///< sums over 512 texels
-  void assign(const LightEnergy& light, const LineCones& cones, vec3 unit_normal);
+  void assign(const CubeLight& light);
+  std::size_t bytes() const {
+    return (up_to.size() + from.size() + words_up_to.size() + words_from.size() + texel.size() + line.size()) *
+           sizeof(Nine);
+  }
 };
 
 struct Job {
   BlockedJob blocked;
-  const LightEnergy* light;
-  const std::vector<NormalWeights>* weights;    ///< empty: normals differ too much, weigh texels on the fly
-  const std::vector<std::uint16_t>* weight_of;  ///< index into weights per receiver
+  const LightSums* light;
 };
 
 /// Shades the receivers that are [begin, end) in the job's order.
 void shade(const Job& job, int begin, int end, vec3* radiance);
-
-/// Name of the instruction set that shade() runs on.
-std::string target();
 
 }  // namespace penumbra::pixel_basis

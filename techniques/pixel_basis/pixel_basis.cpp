@@ -2,9 +2,8 @@
 // Exact for its sampling; bases/visibility_source.h says where the blocked texels come from.
 #include "techniques/pixel_basis/pixel_basis.h"
 
-#include <tbb/parallel_for.h>
-
-#include "techniques/bases/distinct_normals.h"
+#include "techniques/bases/for_ranges.h"
+#include "techniques/bases/instruction_set.h"
 #include "techniques/pixel_basis/kernel.h"
 #include "techniques/registry.h"
 
@@ -38,70 +37,54 @@ Footprint PixelBasis::footprint() const {
 
 namespace {
 
-/// Vectorised over spheres and texels, parallel over receivers.
+/// Vectorised over spheres and rows, parallel over receivers; sums of light by axis, for any normal.
 class PixelBasisSimd final : public PixelBasis {
  public:
   using PixelBasis::PixelBasis;
 
   void prepare(const Scene& scene) override {
     PixelBasis::prepare(scene);
-    set_weights(scene.receivers);
+    sums_.assign(light_);
   }
 
   void update(const Frame& frame) override {
     PixelBasis::update(frame);
-    if (frame.changed.receivers || frame.changed.light) set_weights(frame.receivers);
+    if (frame.changed.light) sums_.assign(light_);
   }
 
   void shade(View<vec3> radiance) override {
-    const pixel_basis::Job job{visibility_.job(), &energy_, &weights_, &normals_.index};
-    tbb::parallel_for(tbb::blocked_range<int>(0, receivers_->size(), 64), [&](const tbb::blocked_range<int>& range) {
-      pixel_basis::shade(job, range.begin(), range.end(), radiance.data);
-    });
+    const pixel_basis::Job job{visibility_.job(), &sums_};
+    for_ranges(receivers_->size(), 64, [&](int begin, int end) { pixel_basis::shade(job, begin, end, radiance.data); });
   }
 
   Footprint footprint() const override {
     Footprint bytes = PixelBasis::footprint();
-    bytes.per_scene += 3 * light_.directions.size() * sizeof(float) * (1 + weights_.size()) + normals_.index.size();
+    bytes.per_scene += sums_.bytes();
     return bytes;
   }
 
-  std::string instruction_set() const override { return pixel_basis::target(); }
+  std::string instruction_set() const override { return instruction_set_of_kernels(); }
 
  private:
-  /// Tables for up to eight distinct normals: 72 KiB each, more would fall out of the cache.
-  void set_weights(const Receivers& receivers) {
-    energy_.assign(light_);
-    normals_ = DistinctNormals::of(receivers.normal);
-    weights_.resize(normals_.normals.size());
-    for (std::size_t k = 0; k < weights_.size(); ++k)
-      weights_[k].assign(energy_, visibility_.cones(), normals_.normals[k]);
-  }
-
-  pixel_basis::LightEnergy energy_;
-  std::vector<pixel_basis::NormalWeights> weights_;
-  DistinctNormals normals_;
+  pixel_basis::LightSums sums_;
 };
 
 }  // namespace
 
 void register_pixel_basis(Registry& registry) {
-  for (const bool simd : {false, true}) {
-    Entry entry;
-    entry.name = "pixel-basis";
-    entry.backend = simd ? "simd" : "scalar";
-    entry.summary = "sum over open texels of a 6 x n x n cube map";
-    entry.citation = "Zhao & Che 2011, sections 3.3 and 5";
-    entry.lights = {true, false};
-    entry.reads_spheres = VisibilitySource::reads_spheres;
-    entry.parameters = VisibilitySource::parameters();
-    entry.knobs = VisibilitySource::knobs();
-    entry.errs_by = "table";
-    if (simd) entry.make = [](const Parameters& p) { return std::make_unique<PixelBasisSimd>(p); };
-    else entry.make = [](const Parameters& p) { return std::make_unique<PixelBasis>(p); };
-    entry.parity = 1e-4;
-    registry.add(std::move(entry));
-  }
+  Entry entry;
+  entry.name = "pixel-basis";
+  entry.summary = "sum over open texels of a 6 x n x n cube map";
+  entry.citation = "Zhao & Che 2011, sections 3.3 and 5";
+  entry.lights = {true, false};
+  entry.reads_spheres = VisibilitySource::reads_spheres;
+  entry.parameters = VisibilitySource::parameters();
+  entry.knobs = VisibilitySource::knobs();
+  entry.errs_by = "table";
+  entry.small.set("resolution", 16);
+  entry.parity = 1e-4;
+  entry.kernels = Kernels{.workloads = {parse_parameters({"visibility=raster"})}};
+  add_pair<PixelBasis, PixelBasisSimd>(registry, std::move(entry));
 }
 
 }  // namespace penumbra

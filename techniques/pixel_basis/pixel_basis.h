@@ -5,9 +5,6 @@
 
 namespace penumbra {
 
-class Registry;
-void register_pixel_basis(Registry& registry);
-
 /// The paper's equation, a receiver and a texel at a time; other backends are built upon it.
 class PixelBasis : public Technique {
  public:

@@ -353,14 +353,10 @@ HWY_NOINLINE void ShadeBlock(const Job& job, std::span<const int> which, std::sp
 }
 
 void Shade(const Job& job, std::span<const int> which, std::span<const WeightedSphere> spheres, vec3* radiance) {
-  sh::with_order<4, 6>(job.order, [&](auto n) {
+  sh::with_order<4, 6>(job.order, [&](auto n) HWY_ATTR {
     for (std::size_t k = 0; k < which.size(); k += sh::block)
       ShadeBlock<n>(job, which.subspan(k, std::min(std::size_t(sh::block), which.size() - k)), spheres, radiance);
   });
-}
-
-const char* Target() {
-  return hwy::TargetName(HWY_TARGET);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -371,14 +367,9 @@ HWY_AFTER_NAMESPACE();
 namespace penumbra::sh_exponentiation {
 
 HWY_EXPORT(Shade);
-HWY_EXPORT(Target);
 
 void shade(const Job& job, std::span<const int> which, std::span<const WeightedSphere> spheres, vec3* radiance) {
   HWY_DYNAMIC_DISPATCH(Shade)(job, which, spheres, radiance);
-}
-
-std::string target() {
-  return HWY_DYNAMIC_DISPATCH(Target)();
 }
 
 }  // namespace penumbra::sh_exponentiation

@@ -80,7 +80,4 @@ struct Job {
 /// Shades the receivers `which`, for whom `spheres` stand for the occluder.
 void shade(const Job& job, std::span<const int> which, std::span<const WeightedSphere> spheres, vec3* radiance);
 
-/// Name of the instruction set that shade() runs on.
-std::string target();
-
 }  // namespace penumbra::sh_exponentiation

@@ -8,12 +8,12 @@
 #include "scenes/cube_map.h"
 #include "scenes/error.h"
 #include "techniques/bases/blocked.h"
+#include "techniques/bases/instruction_set.h"
 #include "techniques/bases/spherical_harmonics/basis.h"
 #include "techniques/bases/spherical_harmonics/kernel.h"
 #include "techniques/bases/spherical_harmonics/lobes.h"
 #include "techniques/bases/spherical_harmonics/straight_line.h"
 #include "techniques/bases/spherical_harmonics/tensor.h"
-#include "techniques/registry.h"
 #include "techniques/sh_exponentiation/attribution.h"
 
 namespace penumbra {
@@ -101,10 +101,13 @@ vec3 ShExponentiation::reflect(int i, const std::vector<double>& visibility) {
   std::size_t non_finite = 0, clamped = 0;
   vec3 out;
   for (int c = 0; c < 3; ++c) {
-    const float* by_normal = job_.by_normal.data() + row_of(r.normal[i]) + std::size_t(c) * lobe.size();
+    const auto row = std::ptrdiff_t(row_of(r.normal[i]) + std::size_t(c) * lobe.size());
+    const auto of_table = [&](auto from) {
+      return std::vector<double>(from + row, from + row + std::ptrdiff_t(lobe.size()));
+    };
     const std::vector<double> light(job_.light[c].begin(), job_.light[c].end());
-    const std::vector<double> product = table_normals_ ? std::vector<double>(by_normal, by_normal + lobe.size())
-                                                       : sh::tensor(order_).product(light, lobe);
+    const std::vector<double> product =
+        table_normals_ ? of_table(job_.by_normal.begin()) : sh::tensor(order_).product(light, lobe);
     double value = 0.0;
     for (std::size_t k = 0; k < lobe.size(); ++k) value += product[k] * visibility[k];
     const double unshadowed = product[0] * std::sqrt(4.0 * pi);
@@ -195,7 +198,7 @@ class ShExponentiationSimd final : public ShExponentiation {
     });
   }
 
-  std::string instruction_set() const override { return sh_exponentiation::target(); }
+  std::string instruction_set() const override { return instruction_set_of_kernels(); }
 
  private:
   static constexpr std::size_t chunk = 64;
@@ -204,31 +207,33 @@ class ShExponentiationSimd final : public ShExponentiation {
 }  // namespace
 
 void register_sh_exponentiation(Registry& registry) {
-  for (const bool simd : {false, true}) {
-    Entry entry;
-    entry.name = "sh-exponentiation";
-    entry.backend = simd ? "simd" : "scalar";
-    entry.summary = "logarithms of spheres' visibilities added in spherical harmonics, exponentiated";
-    entry.citation = "Ren et al. 2006";
-    entry.lights = {true, false};
-    entry.parameters = {
-        integer_parameter("order", 4, 4, 6, "bands", "spherical harmonics order; order^2 coefficients"),
-        choice_parameter("exponential", {"hybrid", "optimal-linear", "power-series", "exact"},
-                         "hybrid: halve to |f| <= tau, optimal linear, square back"),
-        number_parameter("tau", 0.25, 1e-3, 1e3, "", "hybrid: where halving stops"),
-        integer_parameter("terms", 9, 0, 64, "powers", "power-series: the highest power"),
-        choice_parameter("fit", {"caps", "sets"}, "optimal linear: exact on single caps, or least squares over sets"),
-        choice_parameter("self_shadow", {"replace", "keep"}, "spheres that poke through the tangent plane"),
-        choice_parameter("hierarchy", {"on", "off"}, "bounding spheres in place of spheres that look small"),
-        choice_parameter("normals", {"exact", "table"}, "light x cosine per receiver, or from a cube map of normals"),
-        choice_parameter("window", {"none", "hann", "lanczos", "laplacian"}, "damps the ringing of the light")};
-    entry.knobs = {{"order", {4, 5, 6}, true}};
-    entry.errs_by = "few bands";
-    if (simd) entry.make = [](const Parameters& p) { return std::make_unique<ShExponentiationSimd>(p); };
-    else entry.make = [](const Parameters& p) { return std::make_unique<ShExponentiation>(p); };
-    entry.parity = 1e-3;
-    registry.add(std::move(entry));
-  }
+  Entry entry;
+  entry.name = "sh-exponentiation";
+  entry.summary = "logarithms of spheres' visibilities added in spherical harmonics, exponentiated";
+  entry.citation = "Ren et al. 2006";
+  entry.lights = {true, false};
+  entry.parameters = {
+      integer_parameter("order", 4, 4, 6, "bands", "spherical harmonics order; order^2 coefficients"),
+      choice_parameter("exponential", {"hybrid", "optimal-linear", "power-series", "exact"},
+                       "hybrid: halve to |f| <= tau, optimal linear, square back"),
+      number_parameter("tau", 0.25, 1e-3, 1e3, "", "hybrid: the size of f at which halving stops"),
+      integer_parameter("terms", 9, 0, 64, "powers", "power-series: the highest power"),
+      choice_parameter("fit", {"caps", "sets"},
+                       "coefficients of optimal-linear; caps: exact on single caps, sets: least squares over sets"),
+      choice_parameter("self_shadow", {"replace", "keep"},
+                       "what becomes of spheres that poke through the tangent plane"),
+      choice_parameter("hierarchy", {"on", "off"}, "bounding spheres in place of spheres that look small"),
+      choice_parameter("normals", {"exact", "table"}, "light x cosine per receiver, or from a cube map of normals"),
+      choice_parameter("window", {"none", "hann", "lanczos", "laplacian"}, "damps the ringing of the light")};
+  entry.knobs = {{"order", {4, 5, 6}, true}};
+  entry.errs_by = "few bands";
+  entry.parity = 1e-3;
+  entry.kernels =
+      Kernels{.workloads = {parse_parameters({"order=5"}), parse_parameters({"order=5", "exponential=exact"}),
+                            parse_parameters({"order=6"}), parse_parameters({"order=6", "exponential=exact"}),
+                            parse_parameters({"exponential=optimal-linear"}),
+                            parse_parameters({"exponential=power-series"}), parse_parameters({"exponential=exact"})}};
+  add_pair<ShExponentiation, ShExponentiationSimd>(registry, std::move(entry));
 }
 
 }  // namespace penumbra

@@ -8,15 +8,10 @@
 #include <optional>
 
 #include "techniques/bases/spherical_harmonics/projection.h"
-#include "techniques/parameters.h"
+#include "techniques/registry.h"
 #include "techniques/sh_exponentiation/kernel.h"
 
-namespace penumbra {
-
-class Registry;
-void register_sh_exponentiation(Registry& registry);
-
-namespace sh_exponentiation {
+namespace penumbra::sh_exponentiation {
 
 constexpr int normal_texels = 32;  ///< along an edge of the table of normals
 
@@ -62,5 +57,4 @@ class ShExponentiation : public Technique {
   std::size_t covered_ = 0;
 };
 
-}  // namespace sh_exponentiation
-}  // namespace penumbra
+}  // namespace penumbra::sh_exponentiation

@@ -58,10 +58,6 @@ void Shade(const TransferVectors& transfer, const std::array<std::vector<float>,
     }
 }
 
-const char* Target() {
-  return hwy::TargetName(HWY_TARGET);
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace penumbra::sh_lighting
 HWY_AFTER_NAMESPACE();
@@ -72,7 +68,6 @@ namespace penumbra::sh_lighting {
 HWY_EXPORT(AddDirections);
 HWY_EXPORT(AddBounces);
 HWY_EXPORT(Shade);
-HWY_EXPORT(Target);
 
 void add_directions(const DirectionSet& set, vec3 normal, const std::vector<int>& chosen, float scale, float* out) {
   HWY_DYNAMIC_DISPATCH(AddDirections)(set, normal, chosen, scale, out);
@@ -86,10 +81,6 @@ void add_bounces(const DirectionSet& set, vec3 normal, const std::vector<Bounce>
 void shade(const TransferVectors& transfer, const std::array<std::vector<float>, 3>& light,
            const std::vector<vec3>& albedo, int begin, int end, vec3* radiance) {
   HWY_DYNAMIC_DISPATCH(Shade)(transfer, light, albedo, begin, end, radiance);
-}
-
-std::string target() {
-  return HWY_DYNAMIC_DISPATCH(Target)();
 }
 
 }  // namespace penumbra::sh_lighting

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 
 #include "techniques/sh_lighting/transfer.h"
 #include "techniques/technique.h"
@@ -28,8 +27,5 @@ void add_bounces(const DirectionSet& set, vec3 normal, const std::vector<Bounce>
 /// radiance = albedo * light . transfer for receivers [begin, end); light: a row per channel.
 void shade(const TransferVectors& transfer, const std::array<std::vector<float>, 3>& light,
            const std::vector<vec3>& albedo, int begin, int end, vec3* radiance);
-
-/// Name of the instruction set that these run on.
-std::string target();
 
 }  // namespace penumbra::sh_lighting

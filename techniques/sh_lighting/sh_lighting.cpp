@@ -1,8 +1,8 @@
 #include "techniques/sh_lighting/sh_lighting.h"
 
-#include <tbb/parallel_for.h>
-
-#include "techniques/registry.h"
+#include "techniques/bases/for_ranges.h"
+#include "techniques/bases/instruction_set.h"
+#include "techniques/bases/spherical_harmonics/kernel.h"
 #include "techniques/sh_lighting/kernel.h"
 
 namespace penumbra {
@@ -76,43 +76,41 @@ class ShLightingSimd final : public ShLighting {
   explicit ShLightingSimd(const Parameters& p) : ShLighting(p, true) {}
 
   void shade(View<vec3> radiance) override {
-    tbb::parallel_for(tbb::blocked_range<int>(0, receivers_->size(), 1024), [&](const tbb::blocked_range<int>& range) {
-      sh_lighting::shade(transfer_, light_, receivers_->albedo, range.begin(), range.end(), radiance.data);
+    for_ranges(receivers_->size(), 1024, [&](int begin, int end) {
+      sh_lighting::shade(transfer_, light_, receivers_->albedo, begin, end, radiance.data);
     });
   }
 
-  std::string instruction_set() const override { return sh_lighting::target(); }
+  std::string instruction_set() const override { return instruction_set_of_kernels(); }
 };
 
 }  // namespace
 
 void register_sh_lighting(Registry& registry) {
-  for (const bool simd : {false, true}) {
-    Entry entry;
-    entry.name = "sh-lighting";
-    entry.backend = simd ? "simd" : "scalar";
-    entry.summary = "light . precomputed diffuse transfer in spherical harmonics";
-    entry.citation = "Green 2003; Sloan et al. 2002";
-    entry.lights = {true, false};
-    entry.reads_spheres = [](const Parameters&) { return false; };
-    entry.parameters = {
-        choice_parameter(
-            "transfer", {"shadowed", "unshadowed", "interreflected"},
-            "what reaches a receiver; interreflected adds light that the mesh reflects, which truth has not"),
-        integer_parameter("order", 4, 2, 6, "bands", "spherical harmonics order; order^2 coefficients"),
-        integer_parameter("directions", 10000, 16, 1 << 20, "rays", "per receiver, rounded to a square number"),
-        integer_parameter("bounces", 1, 0, 16, "", "interreflected: how often light is reflected on its way"),
-        choice_parameter("estimator", {"complement", "plain"},
-                         "complement: exact cosine lobe less the blocked directions; plain: sum of the open ones"),
-        choice_parameter("window", {"none", "hann", "lanczos", "laplacian"}, "damps the ringing of the light"),
-        integer_parameter("seed", 1, 0, 1 << 30, "", "of the directions: same seed, same image")};
-    entry.knobs = {{"order", {2, 3, 4, 5, 6}, true}};
-    entry.errs_by = "few bands";
-    if (simd) entry.make = [](const Parameters& p) { return std::make_unique<ShLightingSimd>(p); };
-    else entry.make = [](const Parameters& p) { return std::make_unique<ShLighting>(p); };
-    entry.parity = 1e-3;  // Embree's packet and single-ray traversals may round an edge differently
-    registry.add(std::move(entry));
-  }
+  Entry entry;
+  entry.name = "sh-lighting";
+  entry.summary = "light . precomputed diffuse transfer in spherical harmonics";
+  entry.citation = "Green 2003; Sloan et al. 2002";
+  entry.lights = {true, false};
+  entry.reads_spheres = [](const Parameters&) { return false; };
+  entry.parameters = {
+      choice_parameter(
+          "transfer", {"shadowed", "unshadowed", "interreflected"},
+          "what reaches a receiver; interreflected adds light that the mesh reflects, which truth has not"),
+      integer_parameter("order", 4, 2, 6, "bands", "spherical harmonics order; order^2 coefficients"),
+      integer_parameter("directions", 10000, 16, 1 << 20, "rays", "rays per receiver, rounded to a square number"),
+      integer_parameter("bounces", 1, 0, 16, "", "interreflected: how often light is reflected on its way"),
+      choice_parameter("estimator", {"complement", "plain"},
+                       "complement: exact cosine lobe less the blocked directions; plain: sum of the open ones"),
+      choice_parameter("window", {"none", "hann", "lanczos", "laplacian"}, "damps the ringing of the light"),
+      integer_parameter("seed", 1, 0, 1 << 30, "", "seed of the directions: same seed, same image")};
+  entry.knobs = {{"order", {2, 3, 4, 5, 6}, true}};
+  entry.errs_by = "few bands";
+  entry.small.set("directions", 64);
+  entry.parity = 1e-3;  // Embree's packet and single-ray traversals may round an edge differently
+  entry.kernels.emplace();
+  for (const int order : {2, 3, 5, 6}) entry.kernels->workloads.emplace_back().set("order", order);
+  add_pair<ShLighting, ShLightingSimd>(registry, std::move(entry));
 }
 
 }  // namespace penumbra

@@ -10,16 +10,10 @@
 #include <optional>
 
 #include "techniques/bases/spherical_harmonics/projection.h"
-#include "techniques/parameters.h"
+#include "techniques/registry.h"
 #include "techniques/sh_lighting/transfer.h"
-#include "techniques/technique.h"
 
-namespace penumbra {
-
-class Registry;
-void register_sh_lighting(Registry& registry);
-
-namespace sh_lighting {
+namespace penumbra::sh_lighting {
 
 /// Other backends are built upon it.
 class ShLighting : public Technique {
@@ -49,5 +43,4 @@ class ShLighting : public Technique {
   sh::LightProjection projection_;
 };
 
-}  // namespace sh_lighting
-}  // namespace penumbra
+}  // namespace penumbra::sh_lighting

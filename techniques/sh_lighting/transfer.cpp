@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "techniques/bases/ray_packets.h"
@@ -38,21 +39,70 @@ struct Reflecting {
   const TransferVectors* vertices;
 };
 
-/// Calls done(direction, blocked) for every direction above a receiver's horizon.
-template <class Done>
-void find_blocked(const RayScene& rays, const DirectionSet& set, const Receivers& receivers, int i, bool packets,
-                  Done done) {
-  const vec3 normal = receivers.normal[i], from = receivers.ray_origin(i);
-  const float far = std::numeric_limits<float>::infinity();
-  const auto above = [&](int j) { return glm::dot(set.directions[j], normal) > 0.0f; };
-  if (!packets) {
-    for (int j = 0; j < int(set.directions.size()); ++j)
-      if (above(j)) done(j, rays.occluded(from, set.directions[j], far));
-    return;
-  }
-  auto queue = make_ray_queue<int>(rays, done, true);
+/// A bit for each direction of a set.
+using Bits = std::vector<std::uint32_t>;
+
+bool bit(const std::uint32_t* bits, int j) {
+  return (bits[j / 32] >> (j % 32) & 1u) != 0;
+}
+
+/// Calls look_at(j) for every bit that is set, in order.
+template <class LookAt>
+void for_bits(const std::uint32_t* bits, std::size_t words, const LookAt& look_at) {
+  for (std::size_t word = 0; word < words; ++word)
+    for (std::uint32_t left = bits[word]; left != 0; left &= left - 1) look_at(int(32 * word) + std::countr_zero(left));
+}
+
+/// Up to 16 neighbours whose rays are traced together.
+struct Tile {
+  int which[RayPacket::size], count = 0;
+};
+
+/// Valid receivers in tiles of 4 x 4, or of 16 in a row where there are not four rows.
+std::vector<Tile> tiles_of(const Receivers& receivers) {
+  const int down = receivers.height < 4 ? 1 : 4, along = RayPacket::size / down;
+  std::vector<Tile> tiles;
+  for (int y0 = 0; y0 < receivers.height; y0 += down)
+    for (int x0 = 0; x0 < receivers.width; x0 += along) {
+      Tile tile;
+      for (int y = y0; y < std::min(receivers.height, y0 + down); ++y)
+        for (int x = x0; x < std::min(receivers.width, x0 + along); ++x)
+          if (const int i = y * receivers.width + x; receivers.valid(i)) tile.which[tile.count++] = i;
+      if (tile.count) tiles.push_back(tile);
+    }
+  return tiles;
+}
+
+/// Directions above the receiver's horizon that the mesh blocks, one ray after the other.
+void find_blocked(const RayScene& rays, const DirectionSet& set, const Receivers& receivers, int i,
+                  std::uint32_t* blocked) {
+  const vec3 from = receivers.ray_origin(i);
   for (int j = 0; j < int(set.directions.size()); ++j)
-    if (above(j)) queue.push(j, from, set.directions[j], far);
+    if (glm::dot(set.directions[j], receivers.normal[i]) > 0.0f &&
+        rays.occluded(from, set.directions[j], std::numeric_limits<float>::infinity()))
+      blocked[j / 32] |= 1u << (j % 32);
+}
+
+/// The same for a tile: all rays in one direction, and then those in the next.
+void find_blocked(const RayScene& rays, const DirectionSet& set, const Receivers& receivers, const Tile& tile,
+                  std::uint32_t* const* blocked) {
+  struct Ray {
+    int receiver, direction;
+  };
+  vec3 from[RayPacket::size], normal[RayPacket::size];
+  for (int k = 0; k < tile.count; ++k) {
+    from[k] = receivers.ray_origin(tile.which[k]);
+    normal[k] = receivers.normal[tile.which[k]];
+  }
+  auto queue = make_ray_queue<Ray>(rays, [&](Ray ray, bool hit) {
+    if (hit) blocked[ray.receiver][ray.direction / 32] |= 1u << (ray.direction % 32);
+  });
+  for (int j = 0; j < int(set.directions.size()); ++j) {
+    const vec3 direction = set.directions[j];
+    for (int k = 0; k < tile.count; ++k)
+      if (glm::dot(direction, normal[k]) > 0.0f)
+        queue.push({k, j}, from[k], direction, std::numeric_limits<float>::infinity());
+  }
   queue.flush();
 }
 
@@ -62,26 +112,39 @@ class Gatherer {
            const Reflecting* reflecting)
       : request_(request), set_(set), rays_(rays), receivers_(receivers), reflecting_(reflecting) {}
 
-  /// The vectors of one receiver, `channels` rows from `out`.
-  void gather(int i, int channels, float* out) const {
+  /// The vectors of one receiver, `channels` rows from `out`; `blocked`: bits of the directions above its horizon.
+  void gather(int i, int channels, const std::uint32_t* blocked, float* out) const {
     const vec3 normal = receivers_.normal[i];
-    std::fill(out, out + channels * set_.row, 0.0f);
-    if (normal == vec3(0.0f)) return;
     const bool complement = request_.estimator == Estimator::complement;
     if (complement) add_lobe(normal, out);
     std::vector<int> chosen;  // directions to subtract (complement) or to add (plain)
     std::vector<Bounce> bounces;
-    if (request_.transfer != Transfer::unshadowed)
-      find_blocked(rays_, set_, receivers_, i, request_.packets, [&](int j, bool blocked) {
-        if (blocked == complement) chosen.push_back(j);
-        if (blocked && reflecting_) add_bounce(i, j, bounces);
+    if (complement || reflecting_)
+      for_bits(blocked, words_of(set_), [&](int j) {
+        if (complement) chosen.push_back(j);
+        if (reflecting_) add_bounce(i, j, bounces);
       });
-    else if (!complement)
+    if (!complement)
       for (int j = 0; j < int(set_.directions.size()); ++j)
-        if (glm::dot(set_.directions[j], normal) > 0.0f) chosen.push_back(j);
+        if (!bit(blocked, j) && glm::dot(set_.directions[j], normal) > 0.0f) chosen.push_back(j);
     add(normal, chosen, complement ? -set_.weight() : set_.weight(), out);
     for (int c = 1; c < channels; ++c) std::copy(out, out + set_.row, out + c * set_.row);
     if (!bounces.empty()) add_bounces(normal, bounces, out);
+  }
+
+  /// The vectors of a tile's receivers.
+  void gather(const Tile& tile, TransferVectors& out) const {
+    const std::size_t words = words_of(set_);
+    Bits bits(words * std::size_t(tile.count), 0u);
+    std::uint32_t* own[RayPacket::size];
+    for (int k = 0; k < tile.count; ++k) own[k] = &bits[words * std::size_t(k)];
+    if (request_.transfer != Transfer::unshadowed) {
+      if (request_.packets) find_blocked(rays_, set_, receivers_, tile, own);
+      else
+        for (int k = 0; k < tile.count; ++k) find_blocked(rays_, set_, receivers_, tile.which[k], own[k]);
+    }
+    for (int k = 0; k < tile.count; ++k)
+      gather(tile.which[k], out.channels, own[k], out.at(std::size_t(tile.which[k])));
   }
 
  private:
@@ -133,12 +196,10 @@ TransferVectors gather_all(const Request& request, const DirectionSet& set, cons
   TransferVectors out;
   out.channels = request.transfer == Transfer::interreflected ? 3 : 1;
   out.row = set.row;
-  out.values.resize(std::size_t(receivers.size()) * out.channels * out.row);
+  out.values.assign(std::size_t(receivers.size()) * out.channels * out.row, 0.0f);
   const Gatherer gatherer(request, set, rays, receivers, reflecting);
-  const auto one = [&](int i) { gatherer.gather(i, out.channels, out.at(std::size_t(i))); };
-  if (request.packets) tbb::parallel_for(0, receivers.size(), one);
-  else
-    for (int i = 0; i < receivers.size(); ++i) one(i);
+  const std::vector<Tile> tiles = tiles_of(receivers);
+  tbb::parallel_for(std::size_t(0), tiles.size(), [&](std::size_t t) { gatherer.gather(tiles[t], out); });
   return out;
 }
 
@@ -147,13 +208,17 @@ TransferVectors gather_all(const Request& request, const DirectionSet& set, cons
 std::vector<std::uint32_t> blocked_directions(const DirectionSet& set, const RayScene& rays, const Receivers& receivers,
                                               int begin, int end) {
   const std::size_t words = words_of(set);
-  std::vector<std::uint32_t> bits(std::size_t(end - begin) * words, 0u);
-  tbb::parallel_for(begin, end, [&](int i) {
-    if (!receivers.valid(i)) return;
-    std::uint32_t* own = &bits[std::size_t(i - begin) * words];
-    find_blocked(rays, set, receivers, i, true, [&](int j, bool blocked) {
-      if (blocked) own[j / 32] |= 1u << (j % 32);
-    });
+  Bits bits(std::size_t(end - begin) * words, 0u);
+  tbb::parallel_for(begin / RayPacket::size, (end + RayPacket::size - 1) / RayPacket::size, [&](int block) {
+    Tile tile;
+    std::uint32_t* own[RayPacket::size];
+    const int first = std::max(begin, block * RayPacket::size), last = std::min(end, (block + 1) * RayPacket::size);
+    for (int i = first; i < last; ++i) {
+      if (!receivers.valid(i)) continue;
+      own[tile.count] = &bits[std::size_t(i - begin) * words];
+      tile.which[tile.count++] = i;
+    }
+    find_blocked(rays, set, receivers, tile, own);
   });
   return bits;
 }

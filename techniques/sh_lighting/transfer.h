@@ -32,7 +32,7 @@ struct Request {
   Estimator estimator = Estimator::complement;
   int bounces = 1;
   vec3 mesh_albedo{1.0f};  ///< of what is hit
-  bool packets = true;     ///< vectorised and parallel, or one ray and one number at a time
+  bool packets = true;     ///< vectorised, or one ray and one number at a time
 };
 
 /// Vectors of many points, [point][channel][row]; one channel, or three where light was reflected by a coloured mesh.
@@ -48,7 +48,7 @@ TransferVectors compute_transfer(const Request& request, const DirectionSet& set
                                  const Mesh& mesh, const Receivers& receivers);
 
 /// Directions above the horizon of receivers [begin, end) that the mesh blocks: a bit each, receivers one after the
-/// other in whole words. Rays in packets, in parallel.
+/// other in whole words. Rays of neighbours in packets, in parallel.
 std::vector<std::uint32_t> blocked_directions(const DirectionSet& set, const RayScene& rays, const Receivers& receivers,
                                               int begin, int end);
 inline std::size_t words_of(const DirectionSet& set) {

@@ -5,9 +5,9 @@
 
 namespace penumbra::wavelet {
 
-Function::Function(int edge, std::span<const double> texels) : n(edge) {
+Function::Function(int edge, const std::vector<double>& texels) : n(edge) {
   for (int face = 0; face < 6; ++face) {
-    const auto pixels = texels.subspan(std::size_t(face) * per_face(), std::size_t(per_face()));
+    const auto pixels = std::span(texels).subspan(std::size_t(face) * per_face(), std::size_t(per_face()));
     const auto c = haar::transform(pixels), m = haar::mean_pyramid(pixels);
     coefficients.insert(coefficients.end(), c.begin(), c.end());
     means.insert(means.end(), m.begin(), m.end());
@@ -58,6 +58,21 @@ std::vector<Term> keep_largest_effect(const Function& p, std::span<const Functio
   });
 }
 
+Function times_kept(const Function& f, std::span<const Term> kept, std::vector<double> values) {
+  std::vector<float> coefficients(f.coefficients.size(), 0.0f);
+  const auto keep = [&](int face, int index) {
+    coefficients[std::size_t(face) * f.per_face() + index] = f.at(face, index);
+  };
+  for (int face = 0; face < 6; ++face) keep(face, 0);
+  for (const Term& t : kept) keep(t.face, t.index);
+  const auto per_face = std::size_t(f.per_face());
+  for (std::size_t face = 0; face < 6; ++face) {
+    const auto texels = haar::inverse(std::span<const float>(coefficients).subspan(face * per_face, per_face));
+    for (std::size_t k = 0; k < per_face; ++k) values[face * per_face + k] *= double(texels[k]);
+  }
+  return Function(f.n, values);
+}
+
 void Visibility::assign(const BitCube& blocked) {
   haar::transform_visibility(blocked, store);
   means.clear();
@@ -69,12 +84,18 @@ void Visibility::assign(const BitCube& blocked) {
   }
 }
 
-std::size_t Functional::bytes() const {
-  return (3 * level1[0].size() + level2.size()) * sizeof(float) + slot.size() * sizeof(std::int32_t);
+double inner_product(const Sparse& f, const Visibility& v) {
+  Evaluate sink(v);
+  inner_product(f.function, f.kept, sink);
+  return sink.sum();
 }
 
-Collect::Collect(int n) : n_(n), slot_(std::size_t(6) * n * n / 16, -1) {
-  for (auto& channel : level1_) channel.assign(slot_.size(), 0.0);
+std::size_t Functional::bytes() const {
+  return (std::size_t(channels) * slot.size() + level2.size()) * sizeof(float) + slot.size() * sizeof(std::int32_t);
+}
+
+Collect::Collect(int n, int channels) : n_(n), channels_(channels), slot_(std::size_t(6) * n * n / 16, -1) {
+  for (int c = 0; c < channels; ++c) level1_[c].assign(slot_.size(), 0.0);
 }
 
 void Collect::coefficient(int face, int index, float weight) {
@@ -86,13 +107,14 @@ void Collect::coefficient(int face, int index, float weight) {
   const auto [s, mother] = haar::place_of(index);
   const int m = n_ / 4, deep = s.level - haar::levels_of(m);
   std::int32_t& slot = slot_[std::size_t(face) * per_face + (s.j >> deep) * m + (s.i >> deep)];
+  const std::size_t size = std::size_t(channels_) * 16;
   if (slot < 0) {
-    slot = std::int32_t(level2_.size() / 48);
-    level2_.resize(level2_.size() + 48, 0.0);
+    slot = std::int32_t(level2_.size() / size);
+    level2_.resize(level2_.size() + size, 0.0);
   }
   const int local = haar::coefficient_index({deep, s.i & deep, s.j & deep}, mother);
   // haar::coefficient(): V's coefficient is -entry / 16 / m.
-  level2_[std::size_t(slot) * 48 + channel_ * 16 + local] -= double(weight) / (16.0 * m);
+  level2_[std::size_t(slot) * size + std::size_t(channel_) * 16 + std::size_t(local)] -= double(weight) / (16.0 * m);
 }
 
 void Collect::mean(int face, haar::Square s, float weight) {
@@ -110,7 +132,8 @@ void Collect::mean(int face, haar::Square s, float weight) {
 Functional Collect::take() const {
   Functional f;
   f.n = n_;
-  for (int c = 0; c < 3; ++c) f.level1[c].assign(level1_[c].begin(), level1_[c].end());
+  f.channels = channels_;
+  for (int c = 0; c < channels_; ++c) f.level1[c].assign(level1_[c].begin(), level1_[c].end());
   f.slot = slot_;
   f.level2.assign(level2_.begin(), level2_.end());
   return f;

@@ -19,7 +19,7 @@ struct Function {
 
   Function() = default;
   /// From 6 n n texels; computed in double.
-  Function(int edge, std::span<const double> texels);
+  Function(int edge, const std::vector<double>& texels);
 
   int per_face() const { return n * n; }
   float at(int face, int index) const { return coefficients[std::size_t(face) * per_face() + index]; }
@@ -41,6 +41,9 @@ std::vector<Term> keep_largest(const Function& f, int count, double gamma);
 /// The `count` terms of p that matter most under a light, by the size of what the p loop does with them: p L psum(V)
 /// and, with wavelets of V taken as 2^-level, p V psum(L) and case 2. A dim lobe over a bright lamp is then kept.
 std::vector<Term> keep_largest_effect(const Function& p, std::span<const Function> light, int count);
+
+/// What the scales and the kept wavelets of f are at each texel, times a value for each.
+Function times_kept(const Function& f, std::span<const Term> kept, std::vector<double> values);
 
 /// Which coefficients of V a product may look at: only level 1 of the two-level store (GPU-I), or both (GPU-II).
 PENUMBRA_HD inline bool in_level1(int n, int index) {
@@ -90,6 +93,12 @@ void triple_product(const Function& p, const Function& light, std::span<const Te
   for (const Term& t : kept_light) add_light_term(p, light, t, levels, sink);
 }
 
+/// A function and the wavelets of it that are kept.
+struct Sparse {
+  Function function;
+  std::vector<Term> kept;
+};
+
 /// Inner product of the kept terms of f with V.
 template <class Sink>
 void inner_product(const Function& f, std::span<const Term> kept, Sink& sink) {
@@ -108,6 +117,9 @@ struct Visibility {
     return means[std::size_t(face) * (means.size() / 6) + haar::pyramid_index(s)];
   }
 };
+
+/// Inner product of what is kept of f with V.
+double inner_product(const Sparse& f, const Visibility& v);
 
 /// Sink that evaluates, on a visibility with n(), coefficient() and mean(), as above.
 template <class V, class Sum = double>
@@ -136,31 +148,32 @@ class Evaluate {
   Sum sum_ = 0;
 };
 
-/// A linear functional of V: weights of all level-1 coefficients, and of the 15 level-2 coefficients of the blocks that
-/// have any, in the units of the binary table (so that the sum over a table row is what is taken away from 1 -
-/// blocked).
+/// A linear functional of V with some channels: weights of all level-1 coefficients, and of the 15 level-2 coefficients
+/// of the blocks that have any, in the units of the binary table (so that the sum over a table row is what is taken
+/// away from 1 - blocked).
 struct Functional {
   int n = 0;
-  std::vector<float> level1[3];    ///< 6 (n/4)^2 per channel
+  int channels = 0;                ///< at most 9
+  std::vector<float> level1[9];    ///< 6 (n/4)^2 per channel
   std::vector<std::int32_t> slot;  ///< per block: position in level2, or -1
-  std::vector<float> level2;       ///< per slot: 3 channels x 16 table entries, the first 0
+  std::vector<float> level2;       ///< per slot: channels x 16 table entries, the first 0
   std::size_t bytes() const;
 };
 
 /// Sink that collects one channel of a functional; take() gives what it collected.
 class Collect {
  public:
-  explicit Collect(int n);
+  explicit Collect(int n, int channels = 3);
   void set_channel(int c) { channel_ = c; }
   void coefficient(int face, int index, float weight);
   void mean(int face, haar::Square s, float weight);
   Functional take() const;
 
  private:
-  int n_, channel_ = 0;
-  std::vector<double> level1_[3];
+  int n_, channels_, channel_ = 0;
+  std::vector<double> level1_[9];
   std::vector<std::int32_t> slot_;
-  std::vector<double> level2_;  ///< per slot: 3 x 16
+  std::vector<double> level2_;  ///< per slot: channels x 16
 };
 
 }  // namespace penumbra::wavelet

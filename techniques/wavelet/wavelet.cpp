@@ -1,267 +1,188 @@
 #include "techniques/wavelet/wavelet.h"
 
-#include <tbb/parallel_for.h>
-
-#include <algorithm>
-
 #include "scenes/error.h"
-#include "techniques/registry.h"
+#include "techniques/bases/for_ranges.h"
+#include "techniques/bases/instruction_set.h"
 #include "techniques/wavelet/kernel.h"
 
 namespace penumbra {
+
 namespace wavelet {
 
-Wavelet::Wavelet(const Parameters& p, Method method, const std::string& name)
-    : method_(method),
-      visibility_(p, name),
-      n_(visibility_.resolution()),
-      all_(6 * n_ * n_),
-      terms_(method == Method::dense ? all_ : p.integer("terms")),
-      gamma_(method == Method::dense ? 0.0 : p.number("ranking")),
-      levels_(method == Method::sparse ? Levels{p.integer("level"), p.integer("p_level")} : Levels{2, 2}),
-      by_effect_(method == Method::sparse && p.text("p_ranking") == "effect"),
-      table_normals_(p.text("normals") == "table") {
-  if (terms_ > all_) throw Error("{}: terms is {}, but resolution {} has only {}", name, terms_, n_, all_);
+// Here, not in the header, which nvcc reads: with fmt's headers in sight nvcc 13.0 no longer makes a std::span of a
+// std::vector.
+Kept::Kept(const Parameters& p, int n, const std::string& owner)
+    : terms(p.integer("terms")), gamma(p.number("ranking")) {
+  if (const int all = 6 * n * n; terms > all)
+    throw Error("{}: terms is {}, but resolution {} has only {}", owner, terms, n, all);
 }
 
-void Wavelet::prepare(const Scene& scene) {
-  visibility_.prepare(scene);
-  set_light(scene.light);
-  set_receivers(scene.receivers);
+void Wavelet::light_changed() {
+  for (int c = 0; c < 3; ++c) channel_[c] = light_function(c), kept_[c] = keep_.of(channel_[c]);
 }
 
-void Wavelet::update(const Frame& frame) {
-  visibility_.update(frame);
-  receivers_ = &frame.receivers;
-  if (frame.changed.light) set_light(frame.light);
-  if (frame.changed.light || frame.changed.receivers) set_receivers(frame.receivers);
-}
-
-void Wavelet::shade(View<vec3> radiance) {
-  Visibility v;
-  for (int i = 0; i < receivers_->size(); ++i) {
-    radiance[i] = vec3(0.0f);
-    if (!receivers_->valid(i)) continue;
-    const Plan own = few() ? Plan() : make_plan(normals_[i]);
-    const Plan& plan = few() ? plans_[plan_of_.index[i]] : own;
-    BitCube blocked(n_);
-    visibility_.find_blocked(i, blocked);
-    for (std::size_t w = 0; w < blocked.words.size(); ++w)
-      if (!(plan.active >> (w / words_per_line) & 1u)) blocked.words[w] = 0;
-    v.assign(blocked);
-    for (int c = 0; c < 3; ++c) radiance[i][c] = receivers_->albedo[i][c] * float(multiply(plan, c, v));
-  }
-}
-
-Footprint Wavelet::footprint() const {
-  Footprint bytes = visibility_.footprint();
-  const std::size_t function = std::size_t(all_) * sizeof(float) * 7 / 3;  // coefficients and mean pyramid
-  bytes.tables += haar::binary_table().bytes();
-  bytes.per_scene += 3 * function + plans_.size() * (method_ == Method::product ? 3 : 1) * function;
-  return bytes;
-}
-
-std::vector<double> Wavelet::cosine_lobe(vec3 normal) const {
-  std::vector<double> lobe;
-  for (const vec3& w : visibility_.directions()) lobe.push_back(std::max(0.0, double(glm::dot(normal, w))) / pi);
-  return lobe;
-}
-
-Plan Wavelet::make_plan(vec3 normal) const {
-  Plan plan;
-  plan.active = lines_above_horizon(visibility_.cones(), normal);
-  const std::vector<double> lobe = cosine_lobe(normal);
-  if (method_ != Method::product) {
-    plan.p = Function(n_, lobe);
-    if (method_ == Method::sparse)
-      plan.kept_p =
-          by_effect_ ? keep_largest_effect(plan.p, light_.channel, terms_) : keep_largest(plan.p, terms_, gamma_);
-    return plan;
-  }
-  for (int c = 0; c < 3; ++c) {
-    plan.product[c] = Function(n_, times_light(lobe, c));
-    plan.kept_product[c] = keep_largest(plan.product[c], terms_, gamma_);
-  }
+SparsePlan Wavelet::make_plan(vec3 normal) const {
+  SparsePlan plan{Function(n_, cosine_lobe(normal)), {}};
+  plan.kept = by_effect_ ? keep_largest_effect(plan.p, channel_, keep_.terms) : keep_.of(plan.p);
   return plan;
 }
 
-std::vector<double> Wavelet::times_light(std::vector<double> values, int c) const {
-  for (int t = 0; t < all_; ++t)
-    values[t] *= double(light_.texels.radiance[t][c]) * double(light_.texels.solid_angle[t]) * n_ * n_;
-  return values;
-}
-
-/// The paper's loops, at albedo 1.
-double Wavelet::multiply(const Plan& plan, int c, const Visibility& v) const {
+double Wavelet::multiply(const SparsePlan& plan, int c, const Visibility& v) const {
   Evaluate sink(v);
-  if (method_ == Method::product) {
-    inner_product(plan.product[c], plan.kept_product[c], sink);
-  } else if (method_ == Method::sparse) {
-    triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], levels_, sink);
-  } else {
-    double sum = 0.0;
-    for (int face = 0; face < 6; ++face) {
-      const auto part = [&](const Function& f) {
-        return std::span<const float>(f.coefficients).subspan(std::size_t(face) * n_ * n_, std::size_t(n_) * n_);
-      };
-      const std::vector<float> vf = haar::coefficients(v.store, face);
-      sum += double(haar::triple_product(part(plan.p), part(light_.channel[c]), std::span<const float>(vf)));
-    }
-    return sum;
-  }
+  triple_product(plan.p, channel_[c], plan.kept, kept_[c], levels_, sink);
   return sink.sum();
 }
 
-Functional Wavelet::make_functional(const Plan& plan, vec3 normal) const {
-  Collect sink(n_);
-  for (int c = 0; c < 3; ++c) {
-    sink.set_channel(c);
-    if (method_ == Method::product) {
-      inner_product(plan.product[c], plan.kept_product[c], sink);
-    } else if (method_ == Method::sparse) {
-      triple_product(plan.p, light_.channel[c], plan.kept_p, light_.kept[c], levels_, sink);
-    } else {  // all terms: the inner product with all of L p
-      const Function product(n_, times_light(cosine_lobe(normal), c));
-      inner_product(product, keep_largest(product, all_, 0.0), sink);
-    }
+void Wavelet::collect(const SparsePlan& plan, int c, Collect& sink) const {
+  triple_product(plan.p, channel_[c], plan.kept, kept_[c], levels_, sink);
+}
+
+Sparse Wavelet::light_by_axis(int c, int axis) const {  // the light is cut, the cosine is whole
+  const Function product = times_kept(channel_[c], kept_[c], axis_lobe(axis));
+  return {product, keep_largest(product, all_, 0.0)};
+}
+
+ProductPlan WaveletProduct::make_plan(vec3 normal) const {
+  ProductPlan plan;
+  const std::vector<double> lobe = cosine_lobe(normal);
+  for (int c = 0; c < 3; ++c) plan.channel[c] = cut(times_light(lobe, c));
+  return plan;
+}
+
+double WaveletProduct::multiply(const ProductPlan& plan, int c, const Visibility& v) const {
+  return inner_product(plan.channel[c], v);
+}
+
+void WaveletProduct::collect(const ProductPlan& plan, int c, Collect& sink) const {
+  inner_product(plan.channel[c].function, plan.channel[c].kept, sink);
+}
+
+Sparse WaveletProduct::light_by_axis(int c, int axis) const {
+  return cut(times_light(axis_lobe(axis), c));
+}
+
+Sparse WaveletProduct::cut(Function f) const {
+  std::vector<Term> kept = keep_.of(f);
+  return {std::move(f), std::move(kept)};
+}
+
+void WaveletDense::light_changed() {
+  for (int c = 0; c < 3; ++c) channel_[c] = light_function(c);
+}
+
+DensePlan WaveletDense::make_plan(vec3 normal) const {
+  return {normal, Function(n_, cosine_lobe(normal))};
+}
+
+double WaveletDense::multiply(const DensePlan& plan, int c, const Visibility& v) const {
+  double sum = 0.0;
+  for (int face = 0; face < 6; ++face) {
+    const auto part = [&](const Function& f) {
+      return std::span<const float>(f.coefficients).subspan(std::size_t(face) * n_ * n_, std::size_t(n_) * n_);
+    };
+    const std::vector<float> vf = haar::coefficients(v.store, face);
+    sum += double(haar::triple_product(part(plan.p), part(channel_[c]), std::span<const float>(vf)));
   }
-  return sink.take();
+  return sum;
 }
 
-std::vector<Functional> Wavelet::make_functionals() const {
-  std::vector<Functional> all(plans_.size());
-  tbb::parallel_for(std::size_t(0), plans_.size(),
-                    [&](std::size_t k) { all[k] = make_functional(plans_[k], plan_of_.normals[k]); });
-  return all;
+void WaveletDense::collect(const DensePlan& plan, int c, Collect& sink) const {  // the inner product with all of L p
+  const Function product = times_light(cosine_lobe(plan.normal), c);
+  inner_product(product, keep_largest(product, all_, 0.0), sink);
 }
 
-void Wavelet::set_light(const Light& light) {
-  light_.texels = CubeLight(*environment_of(light), n_);
-  for (int c = 0; c < 3; ++c) {
-    light_.channel[c] = Function(n_, times_light(std::vector<double>(all_, 1.0), c));
-    light_.kept[c] = method_ == Method::sparse ? keep_largest(light_.channel[c], terms_, gamma_) : std::vector<Term>();
-  }
-}
-
-void Wavelet::set_receivers(const Receivers& receivers) {
-  receivers_ = &receivers;
-  normals_ = receivers.normal;
-  if (table_normals_)
-    for (vec3& n : normals_)
-      if (n != vec3(0.0f)) n = cube_texel_direction(cube_texel(n, 8), 8);
-  plan_of_ = DistinctNormals::of(normals_, most_plans + 1);  // and the zero normal of pixels that show nothing
-  plans_.resize(plan_of_.normals.size());
-  tbb::parallel_for(std::size_t(0), plans_.size(), [&](std::size_t k) { plans_[k] = make_plan(plan_of_.normals[k]); });
+Sparse WaveletDense::light_by_axis(int c, int axis) const {
+  const Function product = times_light(axis_lobe(axis), c);
+  return {product, keep_largest(product, all_, 0.0)};
 }
 
 }  // namespace wavelet
 
 namespace {
 
-using namespace wavelet;  // NOLINT: this technique's own parts
+using namespace wavelet;  // NOLINT: these techniques' own parts
 
-class WaveletSimd final : public Wavelet {
+template <class Scalar>
+class WaveletSimd final : public Scalar {
+  using Scalar::few, Scalar::receivers_, Scalar::visibility_, Scalar::plan_of_, Scalar::active_;
+
  public:
-  using Wavelet::Wavelet;
-
-  void prepare(const Scene& scene) override {
-    Wavelet::prepare(scene);
-    set_functionals();
-  }
-
-  void update(const Frame& frame) override {
-    Wavelet::update(frame);
-    if (frame.changed.light || frame.changed.receivers) set_functionals();
-  }
+  using Scalar::Scalar;
 
   void shade(View<vec3> radiance) override {
-    const tbb::blocked_range<int> all(0, receivers_->size(), 64);
-    tbb::parallel_for(all, [&](const tbb::blocked_range<int>& range) {
-      if (few()) {
-        shade_range(functionals_, active_, plan_of_.index, range.begin(), range.end(), radiance.data);
-        return;
-      }
-      std::vector<std::uint16_t> zero(std::size_t(receivers_->size()), 0);
-      for (int k = range.begin(); k < range.end(); ++k) {  // a functional of its own for every receiver
-        const vec3 normal = normals_[(*visibility_.job().order)[k]];
-        const Plan plan = make_plan(normal);
-        shade_range({make_functional(plan, normal)}, {plan.active}, zero, k, k + 1, radiance.data);
-      }
-    });
+    const wavelet::Job job{visibility_.job(), &functionals_, few() ? &active_ : nullptr, &plan_of_.index};
+    for_ranges(receivers_->size(), 64, [&](int begin, int end) { wavelet::shade(job, begin, end, radiance.data); });
   }
 
   Footprint footprint() const override {
-    Footprint bytes = Wavelet::footprint();
+    Footprint bytes = Scalar::footprint();
     for (const Functional& f : functionals_) bytes.per_scene += f.bytes();
     return bytes;
   }
 
-  std::string instruction_set() const override { return target(); }
+  std::string instruction_set() const override { return instruction_set_of_kernels(); }
 
  private:
-  void shade_range(const std::vector<Functional>& functionals, const std::vector<std::uint64_t>& active,
-                   const std::vector<std::uint16_t>& plan_of, int begin, int end, vec3* radiance) const {
-    wavelet::shade({visibility_.job(), &functionals, &active, &plan_of}, begin, end, radiance);
-  }
-
-  void set_functionals() {
-    functionals_ = make_functionals();
-    active_.clear();
-    for (const Plan& plan : plans_) active_.push_back(plan.active);
-  }
+  void plans_changed() override { functionals_ = this->make_functionals(); }
 
   std::vector<Functional> functionals_;
-  std::vector<std::uint64_t> active_;
 };
 
-Entry make_entry(const std::string& name, Method method, bool simd) {
+/// What the entries of the three say alike; `sparse`: terms are kept.
+Entry make_entry(bool sparse) {
   Entry entry;
-  entry.name = name;
-  entry.backend = simd ? "simd" : "scalar";
   entry.lights = {true, false};
   entry.reads_spheres = VisibilitySource::reads_spheres;
   entry.parameters = VisibilitySource::parameters();
+  entry.knobs = VisibilitySource::knobs();
+  entry.errs_by = sparse ? "terms, table" : "table";
+  entry.parity = 1e-4;
+  entry.small.set("resolution", 16);
   entry.parameters.push_back(
       choice_parameter("normals", {"exact", "table"}, "the receiver's normal, or the nearest of 6 x 8 x 8"));
-  if (method != Method::dense) {
-    entry.parameters.push_back(
-        integer_parameter("terms", 200, 1, 6 * 64 * 64, "wavelets", "kept per channel besides the six scales"));
-    entry.parameters.push_back(
-        number_parameter("ranking", 1.0, 0.0, 4.0, "", "gamma: terms are ranked by |c| 2^(-gamma level)"));
-  }
-  entry.knobs = VisibilitySource::knobs();
-  if (method != Method::dense) entry.knobs.push_back({"terms", {12, 25, 50, 100, 200, 400, 800}, true});
-  entry.errs_by = method == Method::dense ? "table" : "terms, table";
-  if (method == Method::sparse) {
-    entry.parameters.push_back(choice_parameter("level", {2, 1}, "levels of V in the light's loop: 1 GPU-I, 2 GPU-II"));
-    entry.parameters.push_back(
-        choice_parameter("p_level", {1, 2}, "levels of V in the cosine's loop; the paper has 1"));
-    entry.parameters.push_back(choice_parameter(
-        "p_ranking", {"size", "effect"}, "terms of the cosine kept by their size, or by their effect under the light"));
-  }
-  if (simd) entry.make = [=](const Parameters& p) { return std::make_unique<WaveletSimd>(p, method, name); };
-  else entry.make = [=](const Parameters& p) { return std::make_unique<Wavelet>(p, method, name); };
-  entry.parity = 1e-4;
+  entry.kernels =
+      Kernels{.parameters = {choice_parameter("kernels", {"fused", "separate"},
+                                              "one kernel, or the paper's three: merge spheres, transform, multiply")},
+              .workloads = {parse_parameters({"visibility=raster"}), parse_parameters({"kernels=separate"}),
+                            parse_parameters({"kernels=separate", "visibility=raster"})}};
+  if (!sparse) return entry;
+  entry.parameters.push_back(
+      integer_parameter("terms", 200, 1, 6 * 64 * 64, "wavelets", "wavelets kept per channel besides the six scales"));
+  entry.parameters.push_back(
+      number_parameter("ranking", 1.0, 0.0, 4.0, "", "gamma: terms are ranked by |c| 2^(-gamma level)"));
+  entry.knobs.push_back({"terms", {12, 25, 50, 100, 200, 400, 800}, true});
   return entry;
 }
 
 }  // namespace
 
 void register_wavelet(Registry& registry) {
-  for (const bool simd : {false, true}) {
-    Entry sparse = make_entry("wavelet", Method::sparse, simd);
-    sparse.summary = "pixel/Haar hybrid: sparse triple product of light, cosine and visibility";
-    sparse.citation = "Zhao & Che 2011; Ng et al. 2004";
-    registry.add(std::move(sparse));
-    Entry product = make_entry("wavelet-product", Method::product, simd);
-    product.summary = "light x cosine merged per normal, sparse inner product with visibility";
-    product.citation = "Ng et al. 2003; after Zhao & Che 2011";
-    registry.add(std::move(product));
-    Entry dense = make_entry("wavelet-dense", Method::dense, simd);
-    dense.summary = "triple product over all terms in linear time";
-    dense.citation = "Ng et al. 2004";
-    registry.add(std::move(dense));
-  }
+  Entry entry = make_entry(true);
+  entry.name = "wavelet";
+  entry.summary = "pixel/Haar hybrid: sparse triple product of light, cosine and visibility";
+  entry.citation = "Zhao & Che 2011; Ng et al. 2004";
+  entry.parameters.push_back(choice_parameter("level", {2, 1}, "levels of V in the light's loop: 1 GPU-I, 2 GPU-II"));
+  entry.parameters.push_back(choice_parameter("p_level", {1, 2}, "levels of V in the cosine's loop; the paper has 1"));
+  entry.parameters.push_back(choice_parameter(
+      "p_ranking", {"size", "effect"}, "terms of the cosine kept by their size, or by their effect under the light"));
+  entry.kernels->workloads.push_back(parse_parameters({"level=1"}));
+  add_pair<Wavelet, WaveletSimd<Wavelet>>(registry, std::move(entry));
+}
+
+void register_wavelet_product(Registry& registry) {
+  Entry entry = make_entry(true);
+  entry.name = "wavelet-product";
+  entry.summary = "light x cosine merged per normal, sparse inner product with visibility";
+  entry.citation = "Ng et al. 2003; after Zhao & Che 2011";
+  add_pair<WaveletProduct, WaveletSimd<WaveletProduct>>(registry, std::move(entry));
+}
+
+void register_wavelet_dense(Registry& registry) {
+  Entry entry = make_entry(false);
+  entry.name = "wavelet-dense";
+  entry.summary = "triple product over all terms in linear time";
+  entry.citation = "Ng et al. 2004";
+  add_pair<WaveletDense, WaveletSimd<WaveletDense>>(registry, std::move(entry));
 }
 
 }  // namespace penumbra

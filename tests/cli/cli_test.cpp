@@ -8,6 +8,7 @@
 #include <regex>
 #include <thread>
 
+#include "harness/results/results_file.h"
 #include "scenes/image.h"
 #include "tests/cli/command_line.h"
 
@@ -45,7 +46,8 @@ TEST_F(CommandLine, MistakesAreOneLineAndCodeTwo) {
   expect_error("render no-such-scene --technique pixel-basis -o x.exr", "bunny-city");
   expect_error("render " + scene + " --technique magic -o x.exr", "pixel-basis");
   expect_error("render " + scene + " --technique pixel-basis --backend gpu -o x.exr", "scalar");
-  expect_error("render " + scene + " --technique pixel-basis -p visibility=maybe -o x.exr", "table, raster, rays");
+  expect_error("render " + scene + " --technique pixel-basis -p visibility=maybe -o x.exr",
+               "table, fine, raster, rays");
   expect_error("render " + scene + " --technique pixel-basis -p resolution=64 -o x.exr", "resolution 16 and 32");
   expect_error("render " + scene + " --technique pixel-basis -p colour=red -o x.exr", "no parameter 'colour'");
   expect_error("render " + scene + " --technique ray-traced -o x.jpeg2", ".exr or .png");
@@ -88,9 +90,9 @@ TEST_F(CommandLine, InitWritesWhatRunsAndOverwritesNothing) {
                 smaller(smaller(scene, "\nspheres = 64 ", "\nspheres = 2 "), "resolution = 128", "resolution = 16"));
   const Outcome done = run("run " + study + "/suite.toml --repetitions 1 --out " + study + "/results");
   EXPECT_EQ(done.code, 0) << done.err;
-  const auto rows = nlohmann::json::parse(test::read_text(study + "/results/results.json"))["benchmarks"];
+  const std::vector<Row> rows = read_results_path(study + "/results").rows;
   EXPECT_EQ(rows.size(), 5u);
-  for (const auto& row : rows) EXPECT_EQ(row["status"], "ok");
+  for (const Row& row : rows) EXPECT_EQ(row.status, "ok");
 }
 
 TEST_F(CommandLine, InitTakesAMeshOfOnesOwn) {
@@ -209,15 +211,15 @@ TEST_F(CommandLine, InterruptedRunsKeepFinishedRowsAndResume) {
   int status = 0;
   waitpid(child, &status, 0);
   EXPECT_EQ(WEXITSTATUS(status), 130);
-  const auto rows = nlohmann::json::parse(test::read_text(out + "/results.json"))["benchmarks"];
+  const std::vector<Row> rows = read_results_path(out).rows;
   ASSERT_EQ(rows.size(), 1u);
-  EXPECT_EQ(rows[0]["scene"], "tiny");
+  EXPECT_EQ(rows[0].id.scene, "tiny");
 
   EXPECT_EQ(run("run " + suite + " --out " + out + " --repetitions 2 --resume").code, 0);
-  const auto all = nlohmann::json::parse(test::read_text(out + "/results.json"))["benchmarks"];
+  const std::vector<Row> all = read_results_path(out).rows;
   ASSERT_EQ(all.size(), 2u);
-  EXPECT_EQ(all[0]["samples"]["frame_ms"].size(), 200u) << "the finished row is kept as it was";
-  EXPECT_EQ(all[1]["samples"]["frame_ms"].size(), 2u);
+  EXPECT_EQ(all[0].timing.frame_ms.size(), 200u) << "the finished row is kept as it was";
+  EXPECT_EQ(all[1].timing.frame_ms.size(), 2u);
 }
 
 }  // namespace

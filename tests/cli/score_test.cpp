@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "harness/results/results_file.h"
+#include "harness/results/row_json.h"
 #include "scenes/image.h"
 #include "tests/cli/command_line.h"
 
@@ -20,7 +22,11 @@ class Score : public test::CommandLine {
  protected:
   std::string out() const { return folder_.path() + "/out"; }
   std::string image(const std::string& name) const { return folder_.path() + "/" + name; }
-  json rows() const { return json::parse(test::read_text(out() + "/results.json"))["benchmarks"]; }
+  json rows() const {
+    json all = json::array();
+    for (const Row& row : read_results_path(out()).rows) all.push_back(to_json(row));
+    return all;
+  }
   json row(const std::string& technique, const std::string& backend) const {
     for (const json& r : rows())
       if (r["technique"] == technique && r["backend"] == backend) return r;

@@ -6,6 +6,7 @@
 #include <regex>
 #include <sstream>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/commands/describe.h"
 #include "harness/report/screen.h"
 #include "scenes/assets.h"

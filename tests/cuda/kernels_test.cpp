@@ -4,10 +4,11 @@
 #include "cuda/availability.h"
 #include "cuda/haar.h"
 #include "cuda/host/registry.h"
-#include "cuda/register_cuda.h"
+#include "harness/catalogue/catalogue.h"
 #include "harness/measure/parity.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"
+#include "tests/techniques/ways_of_visibility.h"
 
 namespace penumbra::cuda_on_host {
 namespace {
@@ -34,10 +35,8 @@ __global__ void two_levels(int n, Span<const std::uint32_t> words, Span<float> l
   transform_means(v);
 }
 
-class EveryVisibility : public testing::TestWithParam<std::tuple<const char*, int>> {};
-INSTANTIATE_TEST_SUITE_P(Kernels, EveryVisibility,
-                         testing::Values(std::tuple("table", 16), std::tuple("table", 32), std::tuple("raster", 16),
-                                         std::tuple("raster", 32), std::tuple("raster", 64)));
+class EveryVisibility : public testing::TestWithParam<test::WayOfVisibility> {};
+INSTANTIATE_TEST_SUITE_P(Kernels, EveryVisibility, test::ways_of_visibility());
 
 TEST_P(EveryVisibility, BlockedTexelsAndTheirTransformEqualTheScalarOnes) {
   const auto [kind, n] = GetParam();
@@ -104,14 +103,14 @@ TEST_P(EveryVisibility, BlockedTexelsAndTheirTransformEqualTheScalarOnes) {
 
 /// Do the kernels run on a device here?
 bool on_device() {
-  return cuda_status().starts_with("available");
+  return penumbra::make_registry().states().at(Backend::cuda).available();
 }
 
 std::vector<std::string> techniques() {
   std::vector<std::string> names;
   const Registry registry = cuda_on_host::make_registry();
   for (const Entry& entry : registry.entries())
-    if (entry.backend == "cuda") names.push_back(entry.name);
+    if (entry.backend == Backend::cuda) names.push_back(entry.name);
   return names;
 }
 
@@ -120,13 +119,9 @@ class EveryKernel : public testing::TestWithParam<std::string> {
   /// Small tables, so that the host's time goes into the kernels.
   std::unique_ptr<Technique> make(const std::string& backend = "cuda") const {
     const Entry& entry = registry().find(GetParam(), backend);
-    Parameters parameters = Parameters().resolve(entry.parameters, entry.title());
-    for (const Parameter& p : entry.parameters) {
-      if (p.name == "resolution") parameters.set(p.name, 16);
-      if (p.name == "map") parameters.set(p.name, 64);
-      if (p.name == "directions") parameters.set(p.name, 64);
-      if (p.name == "kernels") parameters.set(p.name, std::string("separate"));
-    }
+    Parameters parameters = test::small_parameters(entry);
+    if (entry.backend == Backend::cuda)
+      for (const Parameter& p : entry.kernels->parameters) parameters.set(p.name, p.allowed.back());
     return make_technique(entry, parameters);
   }
   static const Registry& registry() {

@@ -1,5 +1,6 @@
 #include "harness/measure/black_truth.h"
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/measure/parity.h"
 #include "harness/measure/reference.h"
 #include "harness/results/metrics.h"
@@ -116,7 +117,7 @@ double parity_of(float share, const Scene& scene) {
   Registry registry;
   for (const bool twin : {true, false}) {
     Entry e;
-    e.name = "nearly", e.backend = twin ? "scalar" : "simd";
+    e.name = "nearly", e.backend = twin ? Backend::scalar : Backend::simd;
     e.make = [=](const Parameters&) { return std::make_unique<Nearly>(twin ? 0.0f : share); };
     registry.add(e);
   }
@@ -141,14 +142,9 @@ TEST(BlackTruth, EveryTechniquePassesParityInTheDark) {
                             scene_under(make_disc({0, 3, 0}, {0, 1, 0}, 0.2f, vec3(radiance))), blocked()};
     for (const Scene& scene : scenes)
       for (const Entry& entry : registry.entries()) {
-        if (entry.backend != "simd" || !entry.lights.accepts(scene.light)) continue;
-        Parameters parameters = Parameters().resolve(entry.parameters, entry.title());
-        for (const Parameter& p : entry.parameters)
-          if (p.name == "resolution") parameters.set(p.name, 16);
-          else if (p.name == "map") parameters.set("map", 64);
-          else if (p.unit == "rays") parameters.set(p.name, std::min(64, parameters.integer(p.name)));
+        if (entry.backend != Backend::simd || !entry.lights.accepts(scene.light)) continue;
         const Scene small = thinned(scene, 8);
-        EXPECT_LE(parity_with_scalar(registry, entry, parameters, small), entry.parity)
+        EXPECT_LE(parity_with_scalar(registry, entry, test::small_parameters(entry), small), entry.parity)
             << entry.title() << " " << radiance;
       }
   }

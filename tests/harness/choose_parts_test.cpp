@@ -1,6 +1,7 @@
 // The parts of `penumbra choose` that need no scene: bounds, lamps, lines, brackets, the ladder of spheres.
 #include <set>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/choose/bracket.h"
 #include "harness/choose/new_scene.h"
 #include "harness/choose/sphere_ladder.h"
@@ -72,7 +73,7 @@ TEST(Lines, OfEveryEntryCanBeMade) {
 
 TEST(Lines, MultiplyKnobsAndLeaveOutWhatIsRefused) {
   Entry entry;
-  entry.name = "t", entry.backend = "scalar";
+  entry.name = "t", entry.backend = Backend::scalar;
   entry.parameters = {integer_parameter("n", 4, 1, 64, "", ""), choice_parameter("kind", {"a", "b"}, ""),
                       integer_parameter("size", 1, 1, 9, "", "")};
   entry.knobs = {{"n", {1, 8, 64}, true}, {"kind", {"a", "b"}}, {"size", {1, 2}}};
@@ -89,7 +90,7 @@ TEST(Lines, MultiplyKnobsAndLeaveOutWhatIsRefused) {
 TEST(Lines, KnobsAreCheckedWhenRegistered) {
   const auto fault = [](std::vector<Knob> knobs) {
     Entry entry;
-    entry.name = "t", entry.backend = "scalar";
+    entry.name = "t", entry.backend = Backend::scalar;
     entry.parameters = {integer_parameter("n", 4, 1, 64, "", ""), choice_parameter("kind", {"a", "b"}, "")};
     entry.knobs = std::move(knobs);
     return test::error_of([&] { Registry().add(entry); });

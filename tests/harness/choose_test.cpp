@@ -5,8 +5,10 @@
 
 #include <set>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/choose/finals.h"
 #include "harness/choose/new_scene.h"
+#include "harness/commands/answer_screen.h"
 #include "harness/report/screen.h"
 #include "scenes/scene_file.h"
 #include "tests/harness/screens.h"
@@ -23,7 +25,7 @@ class Choices : public testing::Test {
     const Registry all = make_registry();
     for (const Entry& entry : all.entries())
       for (const char* name : {"ray-traced", "pixel-basis", "sh-lighting", "pcss", "moment-shadows"})
-        if (entry.name == name && entry.backend != "cuda") registry_.add(entry);
+        if (entry.name == name && entry.backend != Backend::cuda) registry_.add(entry);
   }
   ~Choices() override { unsetenv("PENUMBRA_CACHE"); }
 
@@ -77,7 +79,7 @@ TEST_F(Choices, TheAnswerHoldsWhatItSays) {
   int least = 1 << 30, most_beyond = 0;
   for (const Row& row : rows_)
     if (row.id.technique == "ray-traced") {
-      const int rays = row.id.parameters.integer("rays");
+      const int rays = std::get<int>(row.id.parameters.at("rays"));
       if (*row.score.truth_error() <= 0.05) least = std::min(least, rays);
       else most_beyond = std::max(most_beyond, rays);
     }

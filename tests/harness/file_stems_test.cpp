@@ -15,7 +15,7 @@ class FileStems : public testing::Test {
   }
   Entry entry_ = [] {
     Entry e;
-    e.name = "t", e.backend = "simd";
+    e.name = "t", e.backend = Backend::simd;
     e.parameters = {choice_parameter("mode", {std::string("usual")}, "which")};
     return e;
   }();
@@ -43,11 +43,11 @@ TEST_F(FileStems, LongLabelsAreCutAndStillDiffer) {
   EXPECT_NE(stems.begin()->second, stems.rbegin()->second);
   const test::TemporaryFolder folder;
   for (const auto& [label, stem] : stems)
-    for (const std::string& file : {".partial-" + stem + ".error.png", ".partial-" + stem + ".sheet.png"}) {
+    for (const std::string& file : {stem + ".error.png", stem + ".sheet.png"}) {
       EXPECT_LE(file.size(), 255u);
       EXPECT_TRUE(std::ofstream(folder.path() + "/" + file).good()) << file;
     }
-  const std::string fits(255 - 19 - variant("").label().size(), 'v');
+  const std::string fits(255 - 10 - variant("").label().size(), 'v');
   EXPECT_EQ(file_stems({variant(fits)}).begin()->second, file_name(variant(fits).label()));
   EXPECT_NE(file_stems({variant(fits + "v")}).begin()->second, file_name(variant(fits + "v").label()));
 }

@@ -2,6 +2,7 @@
 // written to files elsewhere and in another unit, loaded, and shaded by the truth and by every technique.
 #include <fmt/format.h>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/measure/parity.h"
 #include "harness/measure/reference.h"
 #include "harness/results/metrics.h"
@@ -148,23 +149,19 @@ void expect_same_truth(const Scene& scene, const std::vector<Changed>& all) {
   }
 }
 
-/// Techniques with their defaults, and with every other source of visibility.
+/// Techniques with their small parameters, and with every other choice among their knobs.
 std::vector<std::pair<const Entry*, Parameters>> variants(const Registry& registry) {
   std::vector<std::pair<const Entry*, Parameters>> all;
   for (const Entry& entry : registry.entries()) {
-    if (entry.backend == "cuda") continue;
-    Parameters usual = Parameters().resolve(entry.parameters, entry.title());
-    std::vector<ParameterValue> sources;
-    for (const Parameter& p : entry.parameters) {
-      if (p.unit == "rays") usual.set(p.name, std::min(64, usual.integer(p.name)));
-      if (p.name == "map") usual.set(p.name, 128);
-      if (p.name == "visibility") sources = p.allowed;
-    }
-    if (sources.empty()) all.emplace_back(&entry, usual);
-    for (const ParameterValue& source : sources) {
-      all.emplace_back(&entry, usual);
-      all.back().second.set("visibility", source);
-    }
+    if (entry.backend == Backend::cuda) continue;
+    const Parameters usual = test::small_parameters(entry);
+    all.emplace_back(&entry, usual);
+    for (const Knob& knob : entry.knobs)
+      for (const ParameterValue& value : knob.values) {
+        if (!std::holds_alternative<std::string>(value) || value == usual.all().at(knob.parameter)) continue;
+        all.emplace_back(&entry, usual);
+        all.back().second.set(knob.parameter, value);
+      }
   }
   return all;
 }
@@ -187,7 +184,8 @@ void expect_same_techniques(const Scene& scene, const std::vector<Changed>& all)
     const std::vector<vec3> usual = shaded(*technique, scene);
     for (const auto& [change, other] : all) {
       const double found = test::difference(shaded(*technique, other), usual);
-      EXPECT_LE(found, change.exact ? 0.0 : entry->parity)
+      // Another size rounds every ray anew; how many of them then miss an edge depends on Embree's instruction set.
+      EXPECT_LE(found, change.exact ? 0.0 : 1.5 * entry->parity)
           << scene.name << " " << change.name << ": " << entry->title() << " " << parameters.describe();
       auto& most = worst[change.name];
       if (found / entry->parity >= most.first) most = {found / entry->parity, entry->title()};

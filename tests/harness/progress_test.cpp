@@ -169,7 +169,7 @@ class Witness : public Technique {
 using test::Runs;
 
 TEST_F(Runs, NoTimerWakesWhileFramesAreTimed) {
-  Entry entry = test::fake("witness", "scalar", "good");
+  Entry entry = test::fake("witness", Backend::scalar, "good");
   entry.make = [](const Parameters&) { return std::make_unique<Witness>(); };
   registry_.add(entry);
   EXPECT_EQ(run(suite_text({{"witness", "scalar"}})), 0);
@@ -210,7 +210,7 @@ TEST(Progress, TheTruthPredictsItsRounds) {
   settings.truth_noise = 0.002;
   std::vector<double> shares;
   compute_reference(animation.frame(0), Rung::truth, settings, [&](double share) { shares.push_back(share); });
-  ASSERT_GE(shares.size(), 20u);
+  ASSERT_GE(shares.size(), std::size_t(8));
   EXPECT_NEAR(shares[shares.size() / 2], 0.5, 0.2);
 }
 

@@ -2,6 +2,8 @@
 
 #include <tbb/task_arena.h>
 
+#include <random>
+
 #include "harness/measure/parity.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
@@ -38,6 +40,44 @@ TEST(Reference, TruthMeetsTheClosedFormWithinItsOwnError) {
   EXPECT_LT(chi2 / 64, 3.0) << "the stated variance is too small";
   EXPECT_GT(chi2 / 64, 0.05) << "the stated variance is too large";
   EXPECT_LE(truth.noise(std::vector<bool>(64, true)), 0.002);
+}
+
+/// Receivers of many normals beside a sphere that all of them see whole: each gets 1 - sin^2(theta) (N . v) of a sky of
+/// radiance 1, v towards the sphere, which has the half angle theta. Most face it, a few look past it.
+Scene picture_beside_a_sphere(int edge) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> along;
+  Scene scene = test::sphere_scene({{{0, 2, 0}, 1.2f}}, {});
+  scene.mesh = make_sphere({0, 2, 0}, 1.2f, 256);
+  std::vector<vec3> positions, normals;
+  while (int(positions.size()) < edge * edge) {
+    const vec3 position(1.5f * along(random), 0.0f, 1.5f * along(random)), to = vec3(0, 2, 0) - position;
+    const vec3 normal = glm::normalize(vec3(along(random), 2.0f + along(random), along(random)));
+    const float sine = 1.2f / glm::length(to);
+    if (glm::dot(normal, glm::normalize(to)) <= sine) continue;  // partly below the horizon
+    positions.push_back(position), normals.push_back(normal);
+  }
+  scene.receivers = test::receivers_at(positions);
+  scene.receivers.normal = normals;
+  scene.receivers.width = scene.receivers.height = edge;
+  return scene;
+}
+
+/// The squares of the errors are what the variances say, over the picture, over its darker and its lighter half.
+TEST(Reference, TheTruthOfAPictureErrsAsItsVarianceSays) {
+  const Scene scene = picture_beside_a_sphere(64);
+  const Reference truth = compute(scene, Rung::truth, {32, 0.003, 1 << 16});
+  double squares[2] = {}, variances[2] = {}, sum = 0.0;
+  for (int i = 0; i < scene.receivers.size(); ++i) {
+    const dvec3 to = dvec3(0, 2, 0) - dvec3(scene.receivers.position[i]);
+    const double exact = 1.0 - 1.44 / glm::dot(to, to) * glm::dot(dvec3(scene.receivers.normal[i]), glm::normalize(to));
+    const double error = double(truth.mean.pixels[i].x) - exact, variance = double(truth.variance.pixels[i].x);
+    const int half = exact > 0.85;
+    squares[half] += error * error, variances[half] += variance, sum += error;
+  }
+  for (const int half : {0, 1}) EXPECT_NEAR(squares[half] / variances[half], 1.0, 0.15) << half;
+  EXPECT_LT(std::abs(sum), 8.0 * std::sqrt(variances[0] + variances[1])) << "neighbours share sets: more than 4";
+  EXPECT_LE(truth.noise(std::vector<bool>(4096, true)), 0.003);
 }
 
 TEST(Reference, TruthOfADiscLightMeetsTheClosedForm) {

@@ -1,6 +1,7 @@
 // A whole run with techniques that misbehave.
 #include "cuda/host/registry.h"
 #include "cuda/host/runtime_host.h"
+#include "harness/catalogue/catalogue.h"
 #include "harness/measure/parity.h"
 #include "tests/harness/runs.h"
 
@@ -63,10 +64,9 @@ TEST_F(Runs, WithoutDeviceMemoryTheRowFailsAndTheCpuGoesOn) {
 
   EXPECT_EQ(run(suite), 0);
   const Row device = row("sh-lighting", "cuda");
-  EXPECT_TRUE(device.ok());
+  EXPECT_NE(device.status.find("its times cannot be used: repetition 0 took 0 ms"), std::string::npos)
+      << device.status << ": the host's execution of kernels has no time";
   EXPECT_LT(device.score.parity, 1e-3);
-  ASSERT_EQ(device.timing.stages.size(), 3u);
-  EXPECT_EQ(device.timing.stages[1].name, "kernels");
 }
 
 TEST_F(Runs, ABaselineIsOneMoreReference) {
@@ -112,7 +112,7 @@ TEST_F(Runs, OneSceneIsLoadedIfTheFilterLeavesOne) {
 }
 
 TEST_F(Runs, WhatDoesNotReadSpheresIsMeasuredOnce) {
-  Entry blind = fake("blind", "scalar", "good");
+  Entry blind = fake("blind", Backend::scalar, "good");
   blind.reads_spheres = [](const Parameters&) { return false; };
   registry_.add(blind);
   const std::string suite =
@@ -233,7 +233,7 @@ TEST_F(Runs, ImagesThatCannotBeWrittenCostNoRow) {
 }
 
 TEST_F(Runs, ResultsThatCannotBeWrittenAreStillPrinted) {
-  std::filesystem::create_directories(out() + "/results.json.partial/full");
+  std::filesystem::create_directories(out() + "/results.json/full");
   EXPECT_EQ(run(suite_text({{"good", "scalar"}})), 1);
   EXPECT_NE(table_.find("| good | scalar |"), std::string::npos) << table_;
 }

@@ -36,7 +36,7 @@ class Fake : public Technique {
   int frames_ = 0;
 };
 
-inline Entry fake(const std::string& name, const std::string& backend, const std::string& mode) {
+inline Entry fake(const std::string& name, Backend backend, const std::string& mode) {
   Entry e;
   e.name = name, e.backend = backend;
   e.lights = {true, mode != "no-area"};
@@ -69,9 +69,9 @@ class Runs : public testing::Test {
                            "resolution = 16, y = -1.0 }\n"
                            "[light]\nenvironment = \"constant\"\n");
     for (const char* mode : {"good", "throws", "throws-later", "nan", "unsupported", "black", "spy"})
-      registry_.add(fake(mode, "scalar", mode));
-    registry_.add(fake("good", "simd", "wrong"));
-    Entry absent = fake("absent", "simd", "good");
+      registry_.add(fake(mode, Backend::scalar, mode));
+    registry_.add(fake("good", Backend::simd, "wrong"));
+    Entry absent = fake("absent", Backend::simd, "good");
     absent.unavailable = "no device";
     registry_.add(absent);
   }

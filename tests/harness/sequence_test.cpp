@@ -62,7 +62,7 @@ TEST(Sequence, FlickerIsTheChangeOfError) {
   row.timing.frame_ms = {1.0};
   EXPECT_NE(make_sequence_table({row}).find("| floating | blinking |"), std::string::npos);
   EXPECT_EQ(make_sequence_table({Row{}}), "");
-  const Row back = row_from_json(to_json(row));
+  const Row back = row_from_json(to_json(row).dump());
   ASSERT_TRUE(back.score.sequence);
   EXPECT_EQ(back.score.sequence->flicker, loud.flicker);
 }
@@ -73,7 +73,7 @@ TEST(Sequence, FramesInTheDarkDoNotCount) {
   row.score.sequence = SequenceErrors{{0.02, std::nullopt, 0.04}, {std::nullopt, 0.01}, {}, std::nullopt, 0.0};
   EXPECT_NE(make_sequence_table({row}).find("| 3 | 3 | 4 | 1 | undefined |"), std::string::npos)
       << make_sequence_table({row});
-  const Row back = row_from_json(nlohmann::json::parse(to_json(row).dump()));
+  const Row back = row_from_json(to_json(row).dump());
   EXPECT_EQ(back.score.sequence->rel_rmse, row.score.sequence->rel_rmse);
   EXPECT_FALSE(back.score.sequence->rel_noise);
   row.score.sequence->rel_rmse = {std::nullopt, std::nullopt};

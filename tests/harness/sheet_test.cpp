@@ -71,10 +71,10 @@ TEST_F(Sheets, LabelsStayWithinTheirColumn) {
   const Lettering lettering;
   if (!lettering.available()) GTEST_SKIP() << "no font";
   Row a = row("a-technique-with-a-name-that-is-longer-than-its-panel-is-wide", 128, 128);
-  a.id.parameters.set("visibility", std::string("raster"));
-  a.id.parameters.set("resolution", 32);
-  a.id.parameters.set("something-that-makes-the-label-very-long", 32);
-  a.id.parameters.set("something-else-that-makes-the-label-very-long", 32);
+  a.id.parameters["visibility"] = std::string("raster");
+  a.id.parameters["resolution"] = 32;
+  a.id.parameters["something-that-makes-the-label-very-long"] = 32;
+  a.id.parameters["something-else-that-makes-the-label-very-long"] = 32;
   Row b = row("b", 128, 128);
   const Image sheet = draw_sheet(folder_.path(), {{&a, &b}}, 6),
               plain = draw_sheet(folder_.path(), {{&a, &b}}, 6, none_);

@@ -40,7 +40,7 @@ TEST(Steps, RowsCarryStepsAndCountersThroughJson) {
   row.id.scene = "s", row.id.technique = "t", row.id.backend = "simd";
   row.score.steps = {{"light", 0.02, 0.25}, {"visibility", 0.03, 0.75}};
   row.facts.counters = {{"clamped", 7}, {"non_finite", 0}};
-  const Row back = row_from_json(nlohmann::json::parse(to_json(row).dump()));
+  const Row back = row_from_json(to_json(row).dump());
   EXPECT_EQ(to_json(back), to_json(row));
   EXPECT_EQ(back.score.steps[1].share, 0.75);
   EXPECT_NE(make_steps_table({row}).find("light 2 (25), visibility 3 (75)"), std::string::npos);

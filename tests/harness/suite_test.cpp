@@ -1,5 +1,6 @@
 #include "harness/measure/suite.h"
 
+#include "harness/catalogue/catalogue.h"
 #include "scenes/assets.h"
 #include "tests/support.h"
 
@@ -44,30 +45,34 @@ TEST_F(Suites, AxesMultiply) {
 }
 
 TEST_F(Suites, BackendsDefaultToThoseThatThereAre) {
-  for (const auto& [name, backend] :
-       {std::pair("both", "simd"), std::pair("both", "scalar"), std::pair("both", "cuda"), std::pair("plain", "scalar"),
-        std::pair("plain", "cuda"), std::pair("fast", "simd"), std::pair("device", "cuda")}) {
+  for (const auto& [name, backend] : {std::pair("both", Backend::simd),
+                                      {"both", Backend::scalar},
+                                      {"both", Backend::cuda},
+                                      {"plain", Backend::scalar},
+                                      {"plain", Backend::cuda},
+                                      {"fast", Backend::simd},
+                                      {"device", Backend::cuda}}) {
     Entry entry;
     entry.name = name, entry.backend = backend;
     registry_.add(entry);
   }
   const auto backends = [&](const std::string& name) {
-    std::vector<std::string> all;
+    std::vector<Backend> all;
     for (const Variant& v : load("scenes = [\"a\"]\n[[technique]]\nname = \"" + name + "\"\n").variants)
       all.push_back(v.entry->backend);
     return all;
   };
-  using Backends = std::vector<std::string>;
-  EXPECT_EQ(backends("both"), (Backends{"scalar", "simd"}));
-  EXPECT_EQ(backends("plain"), Backends{"scalar"});
-  EXPECT_EQ(backends("fast"), Backends{"simd"});
-  EXPECT_EQ(backends("device"), Backends{"cuda"});
+  using Backends = std::vector<Backend>;
+  EXPECT_EQ(backends("both"), (Backends{Backend::scalar, Backend::simd}));
+  EXPECT_EQ(backends("plain"), Backends{Backend::scalar});
+  EXPECT_EQ(backends("fast"), Backends{Backend::simd});
+  EXPECT_EQ(backends("device"), Backends{Backend::cuda});
   const auto baseline = [&](const std::string& name) {
     return load("scenes = [\"a\"]\nbaseline = { name = \"" + name + "\" }\n[[technique]]\nname = \"both\"\n")
         .baseline->entry->backend;
   };
-  EXPECT_EQ(baseline("both"), "simd");
-  EXPECT_EQ(baseline("plain"), "scalar");
+  EXPECT_EQ(baseline("both"), Backend::simd);
+  EXPECT_EQ(baseline("plain"), Backend::scalar);
   EXPECT_EQ(load("scenes = \"a\"\n[[technique]]\nname = \"both\"\n").name, "s") << "named after its file";
 }
 
@@ -78,7 +83,7 @@ TEST_F(Suites, BaselineAndPublishedTimes) {
       load(head + "published = \"zhu-2019-tables\"\nbaseline = { name = \"pcss\", parameters = { map = 64 } }\n" +
            tail + line + "stages = [\"x\", \"y\"]\n");
   ASSERT_TRUE(suite.baseline);
-  EXPECT_EQ(suite.baseline->entry->backend, "simd");
+  EXPECT_EQ(suite.baseline->entry->backend, Backend::simd);
   EXPECT_EQ(suite.baseline->parameters.integer("map"), 64);
   ASSERT_EQ(suite.published_times.size(), 1u);
   EXPECT_EQ(suite.published_times[0].stages, (std::vector<std::string>{"x", "y"}));

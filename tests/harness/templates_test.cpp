@@ -1,5 +1,6 @@
 // The documented formats of scenes and suites: what they say is what the readers take, and they leave nothing out.
 #include "harness/commands/templates.h"
+#include "harness/catalogue/catalogue.h"
 
 #include <gmock/gmock.h>
 
@@ -160,7 +161,10 @@ TEST_F(Templates, EveryDocumentedKeyOfASuiteIsRead) {
       text = replaced(text, "#published = ", "published = ");
       const Suite suite = load_suite(folder_.write("suite.toml", text), registry_, 0);
       ASSERT_EQ(suite.published_times.size(), 1u);
-      EXPECT_EQ(test::error_of([&] { check_published_times(suite); }), "");
+      EXPECT_EQ(test::error_of([&] {
+                  check_published_times({suite.name, suite.published, suite.published_times});
+                }),
+                "");
     }
     EXPECT_EQ(suite_error(text), "") << text;
   }
@@ -190,17 +194,21 @@ TEST_F(Templates, ChangeOnlyTheMeshOfOnesOwn) {
   }
 }
 
-/// The first block of TOML of a page.
-std::string quoted_in(const std::string& page) {
-  const std::string text = test::read_text(std::string(PENUMBRA_TEST_DATA) + "/../../docs/" + page);
-  const std::string opening = "```toml\n";
+std::string file_of_ours(const std::string& path) {
+  return test::read_text(std::string(PENUMBRA_TEST_DATA) + "/../../" + path);
+}
+
+/// The first block of a page that is written in `language`.
+std::string quoted_in(const std::string& page, const std::string& language = "toml") {
+  const std::string text = file_of_ours(page), opening = "```" + language + "\n";
   const auto from = text.find(opening) + opening.size();
   return text.substr(from, text.find("```", from) - from);
 }
 
 TEST_F(Templates, DocsQuoteThem) {
-  EXPECT_EQ(quoted_in("scene-files.md"), scene_template());
-  EXPECT_EQ(quoted_in("suites.md"), suite_template());
+  EXPECT_EQ(quoted_in("docs/scene-files.md"), scene_template());
+  EXPECT_EQ(quoted_in("docs/suites.md"), suite_template());
+  EXPECT_EQ(quoted_in("CONTRIBUTING.md", "cpp"), file_of_ours("techniques/constant/constant.cpp"));
 }
 
 }  // namespace

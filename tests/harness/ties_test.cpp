@@ -1,6 +1,7 @@
 // An exact technique is a tie with the truth: rays by the ten thousand on a dozen small scenes.
 #include <fmt/format.h>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/measure/check.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"

@@ -22,17 +22,17 @@ Row row_with(const std::string& technique, std::vector<double> ms, double error)
 TEST(UntimedRows, TimesAreNullInJsonAndComeBackSo) {
   const Row row = row_with("theirs", {}, 0.1);
   const nlohmann::json json = to_json(row);
-  for (const char* key : {"frame_ms", "real_time", "cpu_time", "prepare_ms", "update_ms", "shade_ms", "frame_spread_ms",
-                          "view_ms", "command_ms", "bytes"})
+  for (const char* key :
+       {"frame_ms", "prepare_ms", "update_ms", "shade_ms", "frame_spread_ms", "view_ms", "command_ms", "bytes"})
     EXPECT_TRUE(json.at(key).is_null()) << key << " " << json.at(key);
-  EXPECT_EQ(to_json(row_from_json(json)), json);
+  EXPECT_EQ(to_json(row_from_json(json.dump())), json);
   EXPECT_TRUE(std::isnan(row.timing.median_frame_ms()));
   EXPECT_EQ(row.id.name(), "s/spheres:0/theirs/external");
   Row timed = row_with("ours", {2.0}, 0.1);
   timed.timing.command_ms = 99.0, timed.timing.prepare_ms = 0.0;
   EXPECT_EQ(to_json(timed)["command_ms"], 99.0);
   EXPECT_EQ(to_json(timed)["prepare_ms"], 0.0);
-  EXPECT_EQ(row_from_json(to_json(timed)).timing.command_ms, 99.0);
+  EXPECT_EQ(row_from_json(to_json(timed).dump()).timing.command_ms, 99.0);
 }
 
 TEST(UntimedRows, AreNeitherFasterNorOptimalNorBeatAnother) {

@@ -247,6 +247,16 @@ TEST(SceneFile, MissingAssetNamesItsPackage) {
   EXPECT_EQ(asset_file("no-such-asset", "mesh"), "");
 }
 
+TEST(SceneFile, AssetsMayBeMembersOfAnArchive) {
+  const test::TemporaryFolder cache;
+  const char* before = std::getenv("PENUMBRA_CACHE");
+  const std::string kept = before ? before : "";
+  setenv("PENUMBRA_CACHE", cache.path().c_str(), 1);
+  EXPECT_EQ(mesh_by_name("elephant").triangles.size(), 5558u) << "as its OFF header says";
+  EXPECT_TRUE(asset_file("elephant", "mesh").starts_with(cache.path())) << "unpacked once";
+  before ? setenv("PENUMBRA_CACHE", kept.c_str(), 1) : unsetenv("PENUMBRA_CACHE");
+}
+
 TEST(SceneFile, SphereCountCanBeOverridden) {
   const Scene scene = load_scene("torus-knot-lamps", {8, Objective::k_means});
   EXPECT_EQ(scene.spheres.size(), 8u);

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "techniques/bases/light_sampling.h"
-#include "techniques/pcss/kernel.h"
+#include "techniques/bases/shadow_map/kernel.h"
 #include "tests/support.h"
 
 namespace penumbra {
@@ -183,8 +183,8 @@ TEST(AreaIrradiance, VectorsOfReceiversGetTheSame) {
       hwy::SetSupportedTargetsForTest(target);
       hwy::GetChosenTarget().Update(hwy::SupportedTargets());
       std::vector<float> found(std::size_t(r.size()), -1.0f);
-      pcss::simd::find_unshadowed(outline, r, 0, 500, found.data());
-      pcss::simd::find_unshadowed(outline, r, 500, r.size(), found.data());
+      shadow_map::simd::find_unshadowed(outline, r, 0, 500, found.data());
+      shadow_map::simd::find_unshadowed(outline, r, 500, r.size(), found.data());
       for (int i = 0; i < r.size(); ++i)
         EXPECT_NEAR(found[i], r.valid(i) ? form_factor(outline, r.position[i], r.normal[i]) : 0.0f, 2e-6f)
             << i << " on " << hwy::TargetName(target);

@@ -1,4 +1,6 @@
 // Parts of the shadow-map family against plain definitions: regions, multi-scale maps, quadtrees, samples, links, blur.
+#include <tbb/task_arena.h>
+
 #include <set>
 
 #include "techniques/pcss/kernel.h"
@@ -88,7 +90,7 @@ TEST(PcssMultiScaleMap, EverySquareKnowsItsTexels) {
     for (const LevelLayout layout : {LevelLayout::full, LevelLayout::reduced}) {
       const ShadowMap map = random_map(edge);
       MultiScaleMap levels;
-      levels.build(map, layout, 99, true);
+      levels.build(map, layout, 99);
       ASSERT_EQ(levels.largest(), largest_level(edge));
       for (int level = 0; level <= levels.largest(); ++level) {
         const int stride = levels.stride(level);
@@ -125,11 +127,11 @@ TEST(PcssMultiScaleMap, NeededLevelsHoldEveryRegion) {
     }
 }
 
-TEST(PcssMultiScaleMap, SerialAndParallelAgreeAndLevelsCanBeFew) {
+TEST(PcssMultiScaleMap, OneThreadAndManyAgreeAndLevelsCanBeFew) {
   const ShadowMap map = random_map(64);
   MultiScaleMap a, b;
-  a.build(map, LevelLayout::reduced, 6, true);
-  b.build(map, LevelLayout::reduced, 3, false);
+  a.build(map, LevelLayout::reduced, 6);
+  tbb::task_arena(1).execute([&] { b.build(map, LevelLayout::reduced, 3); });
   EXPECT_EQ(b.largest(), 3);
   EXPECT_LT(b.bytes(), a.bytes());
   for (int x = 0; x < 50; ++x) {
@@ -142,7 +144,7 @@ TEST(PcssMultiScaleMap, SerialAndParallelAgreeAndLevelsCanBeFew) {
 TEST(PcssQuadtree, DownToTexelsItCountsExactly) {
   const ShadowMap map = random_map(64);
   MultiScaleMap levels;
-  levels.build(map, LevelLayout::reduced, 6, false);
+  levels.build(map, LevelLayout::reduced, 6);
   const LeafSamples samples(make_sample_image(), map);
   std::mt19937 random(11);
   for (int k = 0; k < 300; ++k) {
@@ -179,7 +181,7 @@ TEST(PcssQuadtree, VectorisedEqualsRecursive) {
   const LeafSamples samples(make_sample_image(), map);
   std::mt19937 random(13);
   for (const LevelLayout layout : {LevelLayout::full, LevelLayout::reduced}) {
-    levels.build(map, layout, 7, false);
+    levels.build(map, layout, 7);
     for (int k = 0; k < 2000; ++k) {
       const int level = int(random() % 8), depth = int(random() % 8), leaf_level = std::max(0, level - depth);
       const unsigned room = unsigned(129 - (1 << level));
@@ -205,7 +207,7 @@ TEST(PcssQuadtree, APlaneAtTheReceiversDepthDoesNotBlock) {
   ShadowMap map = random_map(16);
   std::fill(map.depth.begin(), map.depth.end(), 2.0f);
   MultiScaleMap levels;
-  levels.build(map, LevelLayout::reduced, 4, false);
+  levels.build(map, LevelLayout::reduced, 4);
   const LeafSamples samples(make_sample_image(), map);
   Blockers found;
   traverse<true>(levels, {0, 0, 4}, 1, 2.0f, nearest_leaf, found);
@@ -323,6 +325,15 @@ TEST(PcssReuse, AreasOfOneAndDifferencesShareNothing) {
   link(how, tile);
   EXPECT_EQ(tile.representative[0], -1) << "lit stays lit";
   for (int k = 1; k < tile.size(); ++k) EXPECT_EQ(tile.representative[k] % 2, k % 2) << "sizes differ, sigma is 0";
+}
+
+TEST(PcssReuse, TheMeshSharesNothingWithWhatLiesBesideIt) {
+  Tile tile = flat_tile(8, 4);
+  for (int k = 0; k < tile.size(); ++k) tile.rise[k] = k % 8 < 2 ? 0.001f : 0.0f;
+  Reuse how;
+  how.area = 4;
+  link(how, tile);
+  for (int k = 0; k < tile.size(); ++k) EXPECT_EQ(tile.representative[k] % 8, k % 8 < 2 ? 0 : k % 8 < 4 ? 2 : 4);
 }
 
 TEST(PcssReuse, DistanceCanBeRelativeToTheSize) {

@@ -1,12 +1,14 @@
 // How wide the shadow-map family makes its penumbrae: every factor on the way from the lamp to a region of the map.
-#include "techniques/pcss/rotated.h"
+#include "techniques/bases/shadow_map/samples.h"
+#include "techniques/pcss_rotated/pcss_rotated.h"
 #include "tests/techniques/lamp_scenes.h"
 #include "tests/techniques/random_map.h"
 
-namespace penumbra::pcss {
+namespace penumbra::pcss_rotated {
 namespace {
 
-using namespace test;  // NOLINT: scenes under a lamp
+using namespace test;        // NOLINT: scenes under a lamp
+using namespace shadow_map;  // NOLINT: what is tested
 
 const double root_pi = std::sqrt(pi);
 
@@ -118,8 +120,24 @@ TEST(PcssView, ReceiversAreLiftedByTexelsAlongTheirSlope) {
   EXPECT_NEAR(depth_bias(view, 3.0f, vec3(0), {0, 1, 0}, 4.0f), 3.0f * texel, 1e-6f);
   EXPECT_NEAR(depth_bias(view, 3.0f, vec3(0), glm::normalize(vec3(1, 1, 0)), 4.0f), 6.0f * texel, 1e-6f);
   EXPECT_NEAR(depth_bias(view, 3.0f, vec3(0), {1, 0, 0}, 4.0f), 33.0f * texel, 1e-6f) << "as if at 84 degrees";
-  EXPECT_FLOAT_EQ(project(view, 3.0f, vec3(0), {0, 1, 0}, true).depth, 4.0f - 3.0f * texel);
-  EXPECT_FLOAT_EQ(project(view, 3.0f, vec3(0), {0, 1, 0}, false).depth, 4.0f);
+  EXPECT_FLOAT_EQ(project(view, {3.0f}, vec3(0), {0, 1, 0}, true).depth, 4.0f - 3.0f * texel);
+  EXPECT_FLOAT_EQ(project(view, {3.0f}, vec3(0), {0, 1, 0}, false).depth, 4.0f);
+}
+
+TEST(PcssView, WhatAPlaneRisesFromTheMiddleOfARegionToItsEdge) {
+  const LightView view = view_of(lamp, {});
+  const float texel = view.texel_at(4.0f);
+  const vec3 half = glm::normalize(vec3(1, 1, 0)), third = glm::normalize(vec3(1, 3, 0));
+  EXPECT_NEAR(region_rise(view, 1.0f, vec3(0), third, 4.0f), texel / 6.0f, 1e-6f) << "a third, over half a texel";
+  EXPECT_NEAR(region_rise(view, 0.5f, vec3(0), half, 4.0f), texel / 4.0f, 1e-6f);
+  EXPECT_EQ(region_rise(view, 1.0f, vec3(0), {0, 1, 0}, 4.0f), 0.0f) << "it faces the light";
+  EXPECT_NEAR(region_rise(view, 1.0f, vec3(0), {1, 0, 0}, 4.0f), 0.75f * texel, 1e-6f) << "as if at 56 degrees";
+  EXPECT_FLOAT_EQ(project(view, {3.0f, 1.0f}, vec3(0), half, true).depth, 4.0f - 6.0f * texel) << "of any region";
+  EXPECT_NEAR(project(view, {3.0f, 1.0f}, vec3(0), half, true).rise, texel / 2.0f, 1e-6f);
+  EXPECT_EQ(project(view, {3.0f, 1.0f}, vec3(0), half, false).rise, 0.0f) << "not on the mesh";
+  EXPECT_FLOAT_EQ(blocking_depth(4.0f, 0.001f, 20.0f), 3.98f);
+  EXPECT_FLOAT_EQ(blocking_depth(4.0f, 0.01f, 20.0f), 3.92f) << "2 % at most";
+  EXPECT_EQ(blocking_depth(4.1f, 0.0f, 1000.0f), 4.1f);
 }
 
 // --- patterns --------------------------------------------------------------------------------------------------------
@@ -178,4 +196,4 @@ TEST(PcssPatterns, NoiseAndPlacementByHand) {
 }
 
 }  // namespace
-}  // namespace penumbra::pcss
+}  // namespace penumbra::pcss_rotated

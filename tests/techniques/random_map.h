@@ -3,10 +3,10 @@
 
 #include <random>
 
-#include "techniques/pcss/shadow_map.h"
+#include "techniques/bases/shadow_map/shadow_map.h"
 #include "tests/support.h"
 
-namespace penumbra::pcss {
+namespace penumbra::shadow_map {
 
 inline float unit(std::mt19937& random) {
   return float(random() >> 8) * 0x1p-24f;
@@ -30,4 +30,4 @@ inline ShadowMap random_map(int edge, unsigned seed = 1) {
   return map;
 }
 
-}  // namespace penumbra::pcss
+}  // namespace penumbra::shadow_map

@@ -1,4 +1,5 @@
 // Every entry says whether it looks at spheres: what does not is measured once for all sets of them.
+#include "harness/catalogue/catalogue.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
 #include "techniques/registry.h"
@@ -38,7 +39,7 @@ TEST(ReadsSpheres, EveryEntrySaysWhatItsImageDependsOn) {
     const Scene here = scene_with("[[0, 0, 0, 0.8]]", environment),
                 there = scene_with("[[0.5, 0, 0, 0.5]]", environment);
     for (const Entry& entry : registry.entries()) {
-      if (entry.backend != "scalar" || !entry.lights.accepts(here.light)) continue;
+      if (entry.backend != Backend::scalar || !entry.lights.accepts(here.light)) continue;
       for (const Parameters& parameters : choices(entry)) {
         std::vector<vec3> a, b;
         try {

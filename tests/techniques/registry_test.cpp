@@ -1,5 +1,6 @@
 #include "techniques/registry.h"
 
+#include "harness/catalogue/catalogue.h"
 #include "tests/support.h"
 
 namespace penumbra {
@@ -8,7 +9,7 @@ namespace {
 Entry entry_called(const std::string& name) {
   Entry e;
   e.name = name;
-  e.backend = "scalar";
+  e.backend = Backend::scalar;
   return e;
 }
 

@@ -1,4 +1,5 @@
 // Logarithm and exponential against closed forms and the published table, and the technique's guards.
+#include "harness/catalogue/catalogue.h"
 #include "techniques/sh_exponentiation/exponential.h"
 
 #include "harness/measure/parity.h"

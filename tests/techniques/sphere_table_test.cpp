@@ -22,37 +22,67 @@ vec3 random_direction(std::uint32_t k) {
 class SphereTables : public testing::Test {
  protected:
   static const SphereTable& table() {
-    static const SphereTable instance(32, RadiusBins::uniform_angle);
+    static const SphereTable instance(SphereTable::published(32, RadiusBins::uniform_angle));
+    return instance;
+  }
+  static const SphereTable& fine() {
+    static const SphereTable instance(SphereTable::fine(32));
     return instance;
   }
   const std::vector<vec3> directions_ = texel_directions(32);
 };
 
-TEST_F(SphereTables, HasThePublishedSize) {
-  EXPECT_EQ(std::size_t(6 * 32 * 32) * SphereTable::bins * std::size_t(table().words()) * 4, 150994944u);  // 144 MiB
+TEST_F(SphereTables, HasThePublishedEntries) {
+  EXPECT_EQ(table().entries().size() * std::size_t(table().words()) * 4, 150994944u) << "144 MiB, were all words kept";
+  EXPECT_LT(table().bytes(), 150994944u);
+  EXPECT_LT(fine().bytes(), std::size_t(256) << 20);
 }
 
 TEST_F(SphereTables, EntriesAreTheCapsTheyStandFor) {
-  for (std::uint32_t k = 0; k < 200; ++k) {
-    const int texel = int(random_triple(1, k).x * 6144), bin = int(k % 32);
-    BitCube wanted(32);
-    const Cap cap{directions_[texel], table().cosine(bin)};
-    for (int t = 0; t < 6144; ++t)
-      if (covers(cap, directions_[t])) wanted.set(t);
-    const auto bits = table().bits(texel * SphereTable::bins + bin);
-    ASSERT_TRUE(std::equal(bits.begin(), bits.end(), wanted.words.begin())) << texel << " " << bin;
-    EXPECT_GE(wanted.count(), 1) << "an entry at its own texel sets at least one bit";
+  for (const SphereTable* of : {&table(), &fine()}) {
+    const auto [n, edge, bins, scheme, widest] = of->shape();
+    for (std::uint32_t k = 0; k < 200; ++k) {
+      const int texel = int(random_triple(1, k).x * float(6 * edge * edge)), bin = int(k) % bins;
+      BitCube wanted(32), got(32);
+      const Cap cap{cube_texel_direction(texel, edge), of->cosine(bin)};
+      for (int t = 0; t < 6144; ++t)
+        if (covers(cap, directions_[t])) wanted.set(t);
+      of->merge(texel * bins + bin, got);
+      ASSERT_EQ(got.words, wanted.words) << texel << " " << bin;
+      if (edge == 32) EXPECT_GE(wanted.count(), 1) << "an entry at its own texel sets at least one bit";
+    }
   }
 }
 
-TEST_F(SphereTables, MasksNameExactlyTheLinesWithBits) {
-  for (int entry = 0; entry < 6144 * SphereTable::bins; entry += 37) {
-    std::uint16_t mask = 0;
-    const auto bits = table().bits(entry);
-    for (int w = 0; w < table().words(); ++w)
-      if (bits[w]) mask = std::uint16_t(mask | 1u << (w / words_per_line));
-    ASSERT_EQ(table().line_mask(entry), mask) << entry;
+TEST_F(SphereTables, EntriesKeepNoLineWithoutBits) {
+  for (std::size_t entry = 0; entry < table().entries().size(); entry += 37) {
+    const auto [first, lines] = table().entries()[entry];
+    for (int k = 0; k < std::popcount(lines); ++k) {
+      const auto words = table().data().subspan((first + std::size_t(k)) * words_per_line, words_per_line);
+      ASSERT_TRUE(std::any_of(words.begin(), words.end(), [](std::uint32_t w) { return w != 0; })) << entry;
+    }
   }
+}
+
+// Larger spheres have no entry, and are exact.
+TEST_F(SphereTables, TheFineTableErrsLessAndEndsAtFortyFiveDegrees) {
+  EXPECT_GE(fine().entry({0, 0, 1}, 0.7071f, vec3(0.0f)), 0);
+  EXPECT_EQ(fine().entry({0, 0, 1}, 0.7072f, vec3(0.0f)), beyond_table);
+  double wrong = 0.0, wrong_fine = 0.0;
+  for (std::uint32_t k = 0; k < 500; ++k) {
+    const SphereSet set{{test::cap_sphere(random_direction(k), 0.02 + 1.0 * double(random_triple(3, k).z))}};
+    BitCube exact(32), coarse(32), better(32);
+    rasterise_spheres(set, vec3(0.0f), directions_, exact);
+    merge_spheres(table(), set, vec3(0.0f), directions_, coarse);
+    merge_spheres(fine(), set, vec3(0.0f), directions_, better);
+    if (fine().entry(set.spheres[0].centre, set.spheres[0].radius, vec3(0.0f)) == beyond_table)
+      EXPECT_EQ(better.words, exact.words);
+    for (std::size_t w = 0; w < exact.words.size(); ++w) {
+      wrong += std::popcount(exact.words[w] ^ coarse.words[w]);
+      wrong_fine += std::popcount(exact.words[w] ^ better.words[w]);
+    }
+  }
+  EXPECT_LT(wrong_fine, 0.6 * wrong);
 }
 
 TEST_F(SphereTables, QuantisationIsWithinHalfABinAndATexel) {
@@ -67,13 +97,14 @@ TEST_F(SphereTables, QuantisationIsWithinHalfABinAndATexel) {
 }
 
 TEST_F(SphereTables, RatioBinsAreUniformInTheRatio) {
-  const SphereTable ratio(16, RadiusBins::uniform_ratio);
-  for (int k = 0; k < 31; ++k) EXPECT_FLOAT_EQ(ratio.thresholds()[k], float((k + 1) * (k + 1)) / 1024);
+  const SphereTable ratio(SphereTable::published(16, RadiusBins::uniform_ratio));
+  for (int k = 0; k < 31; ++k) EXPECT_EQ(ratio.bins().find(float((k + 0.5) * (k + 0.5)) / 1024), k);
   EXPECT_NEAR(ratio.cosine(16), std::sqrt(1 - (16.5 / 32) * (16.5 / 32)), 1e-6);
 }
 
 TEST_F(SphereTables, OnlySixteenAndThirtyTwo) {
-  EXPECT_NE(test::error_of([] { SphereTable(64, RadiusBins::uniform_angle); }).find("16 or 32"), std::string::npos);
+  EXPECT_NE(test::error_of([] { SphereTable(SphereTable::published(64, RadiusBins::uniform_angle)); }).find("16 or 32"),
+            std::string::npos);
 }
 
 // Hard case 1: inside, or at the centre.
@@ -81,7 +112,7 @@ TEST_F(SphereTables, InsideBlocksEverything) {
   for (const vec3 x : {vec3(0.0f), vec3(0.5f, 0, 0), vec3(0, 1, 0)}) {
     BitCube table_bits(32), exact(32);
     const SphereSet set{{{vec3(0.0f), 1.0f}}};
-    merge_spheres(table(), set, x, table_bits);
+    merge_spheres(table(), set, x, directions_, table_bits);
     rasterise_spheres(set, x, directions_, exact);
     EXPECT_EQ(table_bits.count(), 6144);
     EXPECT_EQ(exact.count(), 6144);
@@ -91,7 +122,7 @@ TEST_F(SphereTables, InsideBlocksEverything) {
 TEST_F(SphereTables, RadiusZeroBlocksNothing) {
   for (const vec3 centre : {vec3(0, 0, 1), vec3(0.0f), directions_[100]}) {
     BitCube bits(32);
-    merge_spheres(table(), {{{centre, 0.0f}}}, vec3(0.0f), bits);
+    merge_spheres(table(), {{{centre, 0.0f}}}, vec3(0.0f), directions_, bits);
     rasterise_spheres({{{centre, 0.0f}}}, vec3(0.0f), directions_, bits);
     EXPECT_EQ(bits.count(), 0);
   }
@@ -110,13 +141,13 @@ TEST_F(SphereTables, DuplicatesAndOrderChangeNothing) {
   std::vector<Sphere> spheres;
   for (std::uint32_t k = 0; k < 20; ++k) spheres.push_back(test::cap_sphere(random_direction(k), 0.1 + 0.02 * k));
   BitCube once(32), many(32), exact(32), reversed(32);
-  merge_spheres(table(), {spheres}, vec3(0.0f), once);
+  merge_spheres(table(), {spheres}, vec3(0.0f), directions_, once);
   rasterise_spheres({spheres}, vec3(0.0f), directions_, exact);
   rasterise_spheres({{spheres.rbegin(), spheres.rend()}}, vec3(0.0f), directions_, reversed);
   EXPECT_EQ(exact.words, reversed.words);
   SphereSet million;
   while (million.size() < 1000000) million.spheres.push_back(spheres[million.size() * 7 % 20]);
-  merge_spheres(table(), million, vec3(0.0f), many);
+  merge_spheres(table(), million, vec3(0.0f), directions_, many);
   EXPECT_EQ(once.words, many.words);
 }
 

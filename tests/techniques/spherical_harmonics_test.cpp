@@ -1,4 +1,5 @@
 // The basis against closed forms, and everything fast against the oracle.
+#include "techniques/bases/instruction_set.h"
 #include "techniques/bases/random.h"
 #include "techniques/bases/spherical_harmonics/basis.h"
 #include "techniques/bases/spherical_harmonics/kernel.h"
@@ -190,9 +191,11 @@ TEST(SphericalHarmonics, VectorisedProductsEqualTheOracle) {
           sh::product(order, floats(a).data(), floats(b).data(), one.data());
           const auto squared = sh::tensor(order).product(a, a);
           for (std::size_t i = 0; i < size; ++i) {
-            ASSERT_NEAR(double(f[at(k, i)]), squared[i], 1e-5) << sh::target() << " " << order << " " << i;
-            ASSERT_NEAR(double(out[at(k, i)]), oracle[i], 1e-5) << sh::target() << " " << order << " " << i;
-            ASSERT_NEAR(double(one[i]), oracle[i], 1e-5) << sh::target() << " " << order << " " << i;
+            ASSERT_NEAR(double(f[at(k, i)]), squared[i], 1e-5)
+                << instruction_set_of_kernels() << " " << order << " " << i;
+            ASSERT_NEAR(double(out[at(k, i)]), oracle[i], 1e-5)
+                << instruction_set_of_kernels() << " " << order << " " << i;
+            ASSERT_NEAR(double(one[i]), oracle[i], 1e-5) << instruction_set_of_kernels() << " " << order << " " << i;
           }
         }
       }
@@ -215,7 +218,8 @@ TEST(SphericalHarmonics, VectorisedEvaluationEqualsTheOracle) {
       for (int k = 0; k < count; ++k) {
         const auto oracle = sh::evaluate(order, direction(k));
         for (std::size_t i = 0; i < size; ++i)
-          ASSERT_NEAR(double(y[(std::size_t(k / 16) * size + i) * 16 + k % 16]), oracle[i], 2e-5) << sh::target();
+          ASSERT_NEAR(double(y[(std::size_t(k / 16) * size + i) * 16 + k % 16]), oracle[i], 2e-5)
+              << instruction_set_of_kernels();
       }
     }
   });

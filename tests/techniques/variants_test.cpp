@@ -1,14 +1,17 @@
 // What must hold for every technique: the tests walk the registry, so a new one is tested by existing.
 #include <hwy/highway.h>
 #include <hwy/targets.h>
+#include <malloc.h>
 #include <tbb/task_arena.h>
 
 #include <set>
 
 #include "cuda/host/registry.h"
+#include "harness/catalogue/catalogue.h"
 #include "harness/measure/parity.h"
 #include "scenes/error.h"
 #include "scenes/scene_file.h"
+#include "techniques/bases/random.h"
 #include "tests/support.h"
 
 namespace penumbra {
@@ -39,29 +42,29 @@ std::vector<ParameterValue> ends_of(const Parameter& p) {
   return {p.low, p.high};
 }
 
-/// Kernels may be executed on the host, which takes its time: small tables, and scenes of a quarter.
+/// Kernels may be executed on the host, which takes its time: scenes of a quarter. So does code that is sanitized.
 bool executed_on_host(const Entry& entry) {
-  return entry.backend == "cuda";
+  return entry.backend == Backend::cuda;
 }
 int edge(const Entry& entry, int usual) {
-  return executed_on_host(entry) ? std::max(4, usual / 2) : usual;
+  return std::max(4, usual / (executed_on_host(entry) || sanitized ? 2 : 1));
 }
 
 using Values = std::vector<ParameterValue> (*)(const Parameter&);
 
-/// The default set, and for every parameter each of its other values. More rays than 100, or texels of a shadow map,
-/// only take longer.
+/// Is it the default of a parameter that small parameters cut by more than a factor of four? It would only take longer.
+bool takes_longer(const Entry& entry, const Parameter& p, const ParameterValue& value) {
+  const auto small = entry.small.all().find(p.name);
+  if (small == entry.small.all().end() || value != p.fallback || !std::holds_alternative<int>(value)) return false;
+  return std::get<int>(value) > 4 * std::get<int>(small->second);
+}
+
+/// The small parameters, and for every parameter each of its other values.
 std::vector<Parameters> parameter_sets(const Entry& entry, Values values = values_to_test) {
-  std::vector<Parameters> sets = {Parameters().resolve(entry.parameters, entry.title())};
-  for (const Parameter& p : entry.parameters)
-    if (p.unit == "rays") sets[0].set(p.name, std::min(100, sets[0].integer(p.name)));
-  for (const Parameter& p : entry.parameters)
-    if (p.name == "map") sets[0].set(p.name, executed_on_host(entry) ? 64 : 128);
-    else if (p.name == "resolution" && executed_on_host(entry)) sets[0].set(p.name, 16);
+  std::vector<Parameters> sets = {test::small_parameters(entry)};
   for (const Parameter& p : entry.parameters)
     for (const ParameterValue& value : values(p)) {
-      const bool takes_longer = value == p.fallback && (p.unit == "rays" || p.name == "map");
-      if (takes_longer || value == sets[0].all().at(p.name)) continue;
+      if (takes_longer(entry, p, value) || value == sets[0].all().at(p.name)) continue;
       sets.push_back(sets[0]);
       sets.back().set(p.name, value);
     }
@@ -79,7 +82,8 @@ std::vector<Case> all_cases(Values values, bool with_default) {
   const Registry registry = cuda_on_host::make_registry();
   for (const Entry& entry : registry.entries()) {
     if (!entry.unavailable.empty()) continue;
-    const std::vector<Parameters> sets = parameter_sets(entry, values);
+    std::vector<Parameters> sets = parameter_sets(entry, values);
+    if (sanitized) sets.resize(1);  // every entry once
     for (std::size_t k = with_default ? 0 : 1; k < sets.size(); ++k) cases.push_back({entry, sets[k]});
   }
   return cases;
@@ -111,19 +115,31 @@ class EveryVariant : public testing::TestWithParam<Case> {
   }
 };
 
+/// A picture: normals of their own, some of which look away from all light or along an axis.
+Scene with_normals(Scene scene) {
+  for (int i = 0; i < scene.receivers.size(); ++i) {
+    const RandomTriple r = random_triple(11, std::uint32_t(i));
+    scene.receivers.normal[i] = glm::normalize(2.0f * vec3(r.x, r.y, r.z) - 1.0f);
+    if (i < 6) scene.receivers.normal[i] = cube_direction(i, 0.0f, 0.0f);
+  }
+  return scene;
+}
+
 void expect_scalar_twin(const Case& variant, int receivers) {
   static const Registry registry = cuda_on_host::make_registry();
-  for (const bool area : {false, true}) {
-    const Scene& scene = scene_for(variant.entry, area);
-    if (!variant.entry.lights.accepts(scene.light)) continue;
-    const Scene small = thinned(scene, edge(variant.entry, receivers));
-    EXPECT_LE(parity_with_scalar(registry, variant.entry, variant.parameters, small), variant.entry.parity)
-        << scene.name;
-  }
+  for (const bool area : {false, true})
+    for (const bool picture : {false, true}) {
+      const Scene& scene = scene_for(variant.entry, area);
+      if (!variant.entry.lights.accepts(scene.light) || (picture && area)) continue;
+      const Scene small = thinned(scene, edge(variant.entry, picture ? receivers / 2 : receivers));
+      EXPECT_LE(parity_with_scalar(registry, variant.entry, variant.parameters, picture ? with_normals(small) : small),
+                variant.entry.parity)
+          << scene.name << (picture ? " with normals" : "");
+    }
 }
 
 TEST_P(EveryVariant, EqualsItsScalarTwin) {
-  if (GetParam().entry.backend == "scalar" || !make()) GTEST_SKIP();
+  if (GetParam().entry.backend == Backend::scalar || !make()) GTEST_SKIP();
   expect_scalar_twin(GetParam(), 32);
 }
 
@@ -199,18 +215,27 @@ TEST_P(EveryVariant, UpdateEqualsAFreshPrepare) {
   }
 }
 
+/// Bytes that the C library has handed out.
+std::size_t bytes_in_use() {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
 TEST_P(EveryVariant, ReportsItsFootprint) {
   const auto technique = make();
   if (!technique) GTEST_SKIP();
   const Scene& scene = scene_for(GetParam().entry, false);
-  technique->prepare(executed_on_host(GetParam().entry) ? thinned(scene, 16) : scene);
-  EXPECT_GT(technique->footprint().total(), 0u);
+  const Scene thin = thinned(scene, 16);
+  const std::size_t before = bytes_in_use();
+  technique->prepare(executed_on_host(GetParam().entry) ? thin : scene);
+  const std::size_t after = bytes_in_use(), some = 64 << 10;
+  if (GetParam().entry.backend == Backend::cuda) EXPECT_GT(technique->footprint().total(), 0u) << "on the device";
+  else if (after > before + some) EXPECT_GT(technique->footprint().total(), (after - before) / 8) << "it holds more";
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryVariant, testing::ValuesIn(all_cases(values_to_test, true)), readable);
 
-// --- the ends of real parameters' ranges
-// ------------------------------------------------------------------------------
+// --- the ends of real parameters' ranges -----------------------------------------------------------------------------
 
 // There are many, so what takes longest is not asked of them.
 class EveryEnd : public EveryVariant {};
@@ -225,9 +250,11 @@ TEST_P(EveryEnd, IsFiniteForAnyThreadsAndEqualsItsScalarTwin) {
   EXPECT_EQ(one, two);
   for (const vec3& radiance : one)
     for (int c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(radiance[c]));
-  if (GetParam().entry.backend != "scalar") expect_scalar_twin(GetParam(), 16);
+  if (GetParam().entry.backend != Backend::scalar) expect_scalar_twin(GetParam(), 16);
 }
 
+// A sanitized build walks defaults alone, which leaves none of them.
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(EveryEnd);
 INSTANTIATE_TEST_SUITE_P(Registry, EveryEnd, testing::ValuesIn(all_cases(ends_of, false)), readable);
 
 /// The walk itself.
@@ -249,7 +276,7 @@ TEST(Variants, RealParametersAreWalked) {
 TEST(InstructionSets, AllAgree) {
   const Registry registry = cuda_on_host::make_registry();
   for (const Entry& entry : registry.entries()) {
-    if (entry.backend != "simd") continue;
+    if (entry.backend != Backend::simd) continue;
     const Scene scene = thinned(scene_for(entry, false), 16);
     for (const Parameters& parameters : parameter_sets(entry)) {
       std::unique_ptr<Technique> technique;
@@ -278,7 +305,7 @@ TEST(Variants, EveryRealParameterMatters) {
   const Registry registry = make_registry();
   for (const Entry& entry : registry.entries()) {
     const std::vector<Parameters> sets = parameter_sets(entry, ends_of);
-    if (entry.backend != "simd" || sets.size() == 1) continue;
+    if (entry.backend != Backend::simd || sets.size() == 1) continue;
     const Scene ground = thinned(scene_for(entry, false), 16);
     Scene mesh = ground;
     mesh.receivers = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh.mesh);

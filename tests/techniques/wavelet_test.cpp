@@ -43,7 +43,7 @@ double apply(const Functional& f, int channel, const Visibility& v) {
     sum += double(f.level1[channel][k]) * double(v.store.level1[k]);
   for (std::size_t block = 0; block < f.slot.size(); ++block)
     for (int k = 0; f.slot[block] >= 0 && k < 16; ++k)
-      sum += double(f.level2[std::size_t(f.slot[block]) * 48 + std::size_t(channel) * 16 + k]) *
+      sum += double(f.level2[std::size_t(f.slot[block] * f.channels) * 16 + std::size_t(channel) * 16 + k]) *
              double(haar::binary_table()[v.store.blocks[block]][k]);
   return sum;
 }
@@ -195,10 +195,39 @@ TEST_F(WaveletScenes, TableNormalsAreTenDegreesOff) {
 TEST_F(WaveletScenes, TableNormalsAreTheNearestOfEightByEight) {
   Scene tilted = thinned(scene(), 8);
   for (int i = 0; i < tilted.receivers.size(); ++i)
-    tilted.receivers.normal[i] = glm::normalize(vec3(0.02f * float(i) - 0.6f, 1.0f, 0.3f - 0.03f * float(i % 9)));
+    tilted.receivers.normal[i] =
+        glm::normalize(vec3(0.2f * float(i % 6) - 0.6f, 1.0f, 0.1f));  // few: plans of their own
   const auto table = test::shade("wavelet", "scalar", {"normals=table", "visibility=raster"}, tilted);
   for (vec3& normal : tilted.receivers.normal) normal = cube_texel_direction(cube_texel(normal, 8), 8);
   EXPECT_EQ(table, test::shade("wavelet", "scalar", {"normals=exact", "visibility=raster"}, tilted));
+}
+
+/// The scene with a normal of its own for every receiver.
+Scene with_normals(Scene scene) {
+  for (int i = 0; i < scene.receivers.size(); ++i) {
+    const RandomTriple r = random_triple(5, std::uint32_t(i));
+    scene.receivers.normal[i] = glm::normalize(vec3(2 * r.x - 1, 1.5f * r.y - 0.3f, 2 * r.z - 1));
+  }
+  return scene;
+}
+
+TEST_F(WaveletScenes, AllTermsAreThePixelSumForAnyNormal) {
+  const Scene all = with_normals(scene());
+  for (const char* visibility : {"visibility=raster", "visibility=fine"}) {
+    const auto exact = test::shade("pixel-basis", "scalar", {visibility}, all);
+    EXPECT_LT(test::difference(test::shade("wavelet-dense", "simd", {visibility}, all), exact), 1e-5);
+    EXPECT_LT(test::difference(test::shade("wavelet-product", "simd", {visibility, "terms=6144"}, all), exact), 1e-5);
+    EXPECT_LT(test::difference(test::shade("wavelet", "simd", {visibility, "terms=6144"}, all), exact), 1e-5);
+  }
+}
+
+TEST_F(WaveletScenes, FewTermsDoForAnyNormal) {
+  const Scene all = with_normals(scene());
+  const auto exact = test::shade("pixel-basis", "simd", {"visibility=raster"}, all);
+  for (const char* name : {"wavelet", "wavelet-product"}) {
+    EXPECT_LT(test::difference(test::shade(name, "simd", {"visibility=raster"}, all), exact), 0.01) << name;
+    EXPECT_GT(test::difference(test::shade(name, "simd", {"visibility=raster", "normals=table"}, all), exact), 0.02);
+  }
 }
 
 TEST_F(WaveletScenes, NonsenseIsRefused) {

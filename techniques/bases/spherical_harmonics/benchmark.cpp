@@ -1,11 +1,8 @@
-// bench_sh: the parts of spherical harmonics techniques, one function at a time, and transfer precomputation as a
-// whole.
+// bench_sh: what spherical harmonics techniques share, one function at a time; each technique adds its own.
 #include <benchmark/benchmark.h>
-#include <tbb/task_arena.h>
 
 #include <numeric>
 
-#include "scenes/shapes.h"
 #include "techniques/bases/random.h"
 #include "techniques/bases/spherical_harmonics/basis.h"
 #include "techniques/bases/spherical_harmonics/kernel.h"
@@ -14,8 +11,6 @@
 #include "techniques/bases/spherical_harmonics/rotation.h"
 #include "techniques/bases/spherical_harmonics/straight_line.h"
 #include "techniques/bases/spherical_harmonics/tensor.h"
-#include "techniques/sh_exponentiation/exponential.h"
-#include "techniques/sh_lighting/transfer.h"
 
 namespace {
 
@@ -145,24 +140,6 @@ void make_full_rotation(benchmark::State& state) {
 }
 BENCHMARK(make_full_rotation)->Arg(4)->Arg(6);
 
-/// The logarithm of one cap of 50 degrees.
-void exponential_one(benchmark::State& state) {
-  using namespace sh_exponentiation;
-  const int order = int(state.range(0));
-  const LogTable table(order);
-  const LinearFit fit = fit_to_caps(table);
-  std::vector<float> f, g(std::size_t(sh::coefficients(order)));
-  for (const double value : sh::rotate_zonal(cap_logarithm(order, 0.87), glm::normalize(dvec3(1, 2, 3))))
-    f.push_back(float(value));
-  for (auto _ : state) {
-    optimal_linear(fit, f.data(), int(f.size()), f[0] * 0.28209479177387814f, g.data());
-    benchmark::DoNotOptimize(g.data());
-    benchmark::ClobberMemory();
-  }
-  per_item(state, 1);
-}
-BENCHMARK(exponential_one)->DenseRange(4, 6);
-
 /// A latitude-longitude image of 1024 x 512.
 void project_image(benchmark::State& state) {
   Environment e;
@@ -171,31 +148,6 @@ void project_image(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(sh::project_texels(int(state.range(0)), e));
 }
 BENCHMARK(project_image)->Arg(4)->Arg(6)->Unit(benchmark::kMillisecond);
-
-/// The size of the 2015 article on SH lighting: 5,148 vertices x 10,000 directions, order 4. `backend`: 0 a plain loop
-/// of rays, 1 packets. The plain loop uses one core, packets all that the arena has.
-void transfer_precomputation(benchmark::State& state) {
-  const Mesh mesh = make_torus_knot(2, 3, 198, 26);
-  const Receivers receivers = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh);
-  const RayScene rays(mesh);
-  const sh_lighting::DirectionSet set(4, 10000, 1);
-  sh_lighting::Request request;
-  request.packets = state.range(0) == 1;
-  tbb::task_arena arena(int(state.range(1)));
-  for (auto _ : state)
-    arena.execute(
-        [&] { benchmark::DoNotOptimize(sh_lighting::compute_transfer(request, set, rays, mesh, receivers)); });
-  state.counters["vertices"] = double(receivers.size());
-  state.counters["ns_per_direction"] = benchmark::Counter(double(state.iterations()) * receivers.size() * 10000.0,
-                                                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-}
-BENCHMARK(transfer_precomputation)
-    ->ArgNames({"packets", "threads"})
-    ->Args({0, 1})
-    ->Args({1, 1})
-    ->Args({1, 2})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
 
 }  // namespace
 

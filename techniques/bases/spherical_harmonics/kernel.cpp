@@ -81,23 +81,19 @@ HWY_NOINLINE void OneProduct(const float* f, const float* g, float* out) {
 }
 
 void EvaluateBatch(int order, const float* const direction[3], int count, float* y) {
-  with_order<1, max_order>(order, [&](auto n) { EvaluateOrder<n>(direction, count, y); });
+  with_order<1, max_order>(order, [&](auto n) HWY_ATTR { EvaluateOrder<n>(direction, count, y); });
 }
 
 void ProductBatch(int order, const float* f, const float* g, int count, float* out) {
-  with_order<2, 6>(order, [&](auto n) { ProductOrder<n>(f, g, count, out); });
+  with_order<2, 6>(order, [&](auto n) HWY_ATTR { ProductOrder<n>(f, g, count, out); });
 }
 
 void SquareBatch(int order, const float* f, int count, float* out) {
-  with_order<2, 6>(order, [&](auto n) { SquareOrder<n>(f, count, out); });
+  with_order<2, 6>(order, [&](auto n) HWY_ATTR { SquareOrder<n>(f, count, out); });
 }
 
 void Product(int order, const float* f, const float* g, float* out) {
-  with_order<2, 6>(order, [&](auto n) { OneProduct<n>(f, g, out); });
-}
-
-const char* Target() {
-  return hwy::TargetName(HWY_TARGET);
+  with_order<2, 6>(order, [&](auto n) HWY_ATTR { OneProduct<n>(f, g, out); });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -111,7 +107,6 @@ HWY_EXPORT(EvaluateBatch);
 HWY_EXPORT(ProductBatch);
 HWY_EXPORT(SquareBatch);
 HWY_EXPORT(Product);
-HWY_EXPORT(Target);
 
 void evaluate_batch(int order, const float* const direction[3], int count, float* y) {
   HWY_DYNAMIC_DISPATCH(EvaluateBatch)(order, direction, count, y);
@@ -127,10 +122,6 @@ void square_batch(int order, const float* f, int count, float* out) {
 
 void product(int order, const float* f, const float* g, float* out) {
   HWY_DYNAMIC_DISPATCH(Product)(order, f, g, out);
-}
-
-std::string target() {
-  return HWY_DYNAMIC_DISPATCH(Target)();
 }
 
 }  // namespace penumbra::sh

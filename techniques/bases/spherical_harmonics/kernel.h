@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 
 namespace penumbra::sh {
 
@@ -24,8 +23,5 @@ void square_batch(int order, const float* f, int count, float* out);
 
 /// One product of order 2 to 6: coefficients in a row.
 void product(int order, const float* f, const float* g, float* out);
-
-/// Name of the instruction set that these run on.
-std::string target();
 
 }  // namespace penumbra::sh

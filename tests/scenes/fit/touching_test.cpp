@@ -198,7 +198,7 @@ TEST(Touching, AgreesWithTheWindingNumber) {
       {"balls and knot", balls}};
   for (const auto& [what, mesh] : cases) {
     const Bounds box = bounds(mesh);
-    const auto inside = [&](const dvec3& p) { return winding_number(mesh, p) > 0.5; };
+    const auto inside = [&mesh = mesh](const dvec3& p) { return winding_number(mesh, p) > 0.5; };
     const SphereSet set{
         {{box.centre(), 0.5f * box.extent().x}, {box.low + 0.3f * box.extent(), 0.4f * box.extent().y}}};
     const FitQuality q = assess_fit(mesh, set, what), c = counted(box, set, inside, 40000);
