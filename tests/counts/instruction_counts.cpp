@@ -155,20 +155,21 @@ Outcome count(const Variant& variant, std::size_t number) {
   const Receivers& receivers = moments.scene.receivers;
   std::vector<vec3> image(std::size_t(receivers.size()));
   const View<vec3> view{image.data(), receivers.width, receivers.height};
-  const auto label = [&](const char* stage) { return fmt::format("{} {}", number, stage); };
-  const std::string labels[] = {label("new shape"), label("shade"), label("new light")};
+  // Counts what `work` does, from empty caches: to start is to clear them.
+  const auto stage = [&](const char* name, const auto& work) {
+    const std::string label = fmt::format("{} {}", number, name);
+    CALLGRIND_START_INSTRUMENTATION;
+    work();
+    CALLGRIND_DUMP_STATS_AT(label.c_str());
+    CALLGRIND_STOP_INSTRUMENTATION;
+  };
 
   technique->update(moments.new_shape[0]);  // what is done once only: dispatch to an instruction set, tables
   technique->shade(view);
   technique->update(moments.new_light[0]);
-  CALLGRIND_START_INSTRUMENTATION;
-  technique->update(moments.new_shape[1]);
-  CALLGRIND_DUMP_STATS_AT(labels[0].c_str());
-  technique->shade(view);
-  CALLGRIND_DUMP_STATS_AT(labels[1].c_str());
-  technique->update(moments.new_light[1]);
-  CALLGRIND_DUMP_STATS_AT(labels[2].c_str());
-  CALLGRIND_STOP_INSTRUMENTATION;
+  stage("new shape", [&] { technique->update(moments.new_shape[1]); });
+  stage("shade", [&] { technique->shade(view); });
+  stage("new light", [&] { technique->update(moments.new_light[1]); });
   return counted;
 }
 
