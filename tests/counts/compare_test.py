@@ -92,8 +92,8 @@ class Compare(unittest.TestCase):
         self.assertIn("newcomer", said)
 
     def test_many_changes_fit_on_the_screen_worst_first(self):
-        rows = [f"t{i},simd,area,{'long=' + 'x' * 90},shade,{10000},1,1,1,1" for i in range(60)]
-        grown = [row.replace(",10000,", f",{10000 + 100 * (i + 1)},") for i, row in enumerate(rows)]
+        rows = [f"t{i},simd,area,{'long=' + 'x' * 90},shade,{20000},1,1,1,1" for i in range(60)]
+        grown = [row.replace(",20000,", f",{20000 + 200 * (i + 1)},") for i, row in enumerate(rows)]
         code, said = self.compare(HEAD + "\n".join(grown) + "\n", base=HEAD + "\n".join(rows) + "\n")
         self.assertEqual(code, 1)
         self.assertIn("t59 ", said.splitlines()[0])
