@@ -16,6 +16,7 @@
   USE(fast_pcss)                 \
   USE(pcss_rotated)              \
   USE(moment_shadows)            \
+  USE(shadow_map_traced)         \
   USE(visibility_filter)         \
   USE(chen_2016)
 

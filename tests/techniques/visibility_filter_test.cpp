@@ -88,7 +88,7 @@ TEST(VisibilityFilter, SurfacesAreConnectedByRings) {
   for (int i = 0; i < 7 * 21; ++i) map.open[std::size_t(i)] = 0;
   SurfaceBits bits;
   bits.set(map, 0.3f, 5);
-  EXPECT_EQ(bits.count(10, 10, 5), (Counted{11 * 8, 11 * 8}));      // rows 8 to 15
+  EXPECT_EQ(bits.count(10, 10, 5), (Counted{11 * 8, 11 * 8}));       // rows 8 to 15
   EXPECT_EQ(bits.count_all(10, 10, 5), (Counted{11 * 11, 11 * 9}));  // no mask: it leaks
   EXPECT_EQ(bits.borrowed_caster(10, 10, 5), infinity);
 }
@@ -104,7 +104,7 @@ TEST(VisibilityFilter, WidthsFollowTheAngles) {
       EXPECT_LE(2 * r + 1, std::max(most, 1));
       before = r;
     }
-    EXPECT_EQ(filter_radius(model, to_light, 0.0f, 1.0f), 0);       // contact (hard case 32)
+    EXPECT_EQ(filter_radius(model, to_light, 0.0f, 1.0f), 0);  // contact (hard case 32)
     EXPECT_EQ(filter_radius(model, to_light, infinity, 1.0f) * 2 + 1, most > 1 ? (most - 1) / 2 * 2 + 1 : 1);
     EXPECT_LE(2 * filter_radius(model, to_light, to_light, 1.0f), 11 * most / 12);  // small angles
   }
@@ -117,14 +117,16 @@ TEST(VisibilityFilter, WidthsFollowTheAngles) {
 
 TEST(VisibilityFilter, LiteralWidthsRiseAgainTowardsContact) {
   const WidthModel model{20, 1.0f, 12.0f, true};
-  const int at_contact = filter_radius(model, 10.0f, 1e-3f, 1.0f), where_equal = filter_radius(model, 10.0f, 10.0f / 12.0f, 1.0f);
+  const int at_contact = filter_radius(model, 10.0f, 1e-3f, 1.0f),
+            where_equal = filter_radius(model, 10.0f, 10.0f / 12.0f, 1.0f);
   EXPECT_EQ(where_equal, 0);
   EXPECT_GE(at_contact, 8);
 }
 
 TEST(VisibilityFilter, NonsenseHasNoWidth) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const auto& [light, caster, eye] : {std::tuple(nan, 1.0f, 1.0f), {1.0f, nan, 1.0f}, {1.0f, 1.0f, nan}, {0.0f, 1.0f, 1.0f}, {1.0f, 1.0f, infinity}})
+  for (const auto& [light, caster, eye] :
+       {std::tuple(nan, 1.0f, 1.0f), {1.0f, nan, 1.0f}, {1.0f, 1.0f, nan}, {0.0f, 1.0f, 1.0f}, {1.0f, 1.0f, infinity}})
     EXPECT_EQ(filter_radius({20, 1.0f, 12.0f, false, 1.0f}, light, caster, eye), 0);
   EXPECT_EQ(filter_radius({20, 0.0f, 12.0f}, 1.0f, 1.0f, 1.0f), 0);  // a lamp without size
 }
