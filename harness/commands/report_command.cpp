@@ -77,11 +77,13 @@ std::vector<std::string> arguments_for(const ReportOptions& options, const std::
   return words;
 }
 
-/// The browser outlives this program, so it gets a session of its own.
+/// The browser outlives this program: it gets a session of its own, and is in it before this command ends.
 void open_page(const std::string& page) {
-  const CommandEnd end = run_command("command -v xdg-open >/dev/null || exit 127; setsid xdg-open " + shell_word(page) +
-                                         " </dev/null >/dev/null 2>&1 &",
-                                     ".", 10.0, [](std::string_view) {});
+  const CommandEnd end = run_command(
+      "command -v xdg-open >/dev/null || exit 127; "
+      "setsid --fork sh -c 'echo there; exec xdg-open \"$0\" >/dev/null' " +
+          shell_word(page) + " </dev/null 2>/dev/null | read there",
+      ".", 10.0, [](std::string_view) {});
   if (!end.fault().empty()) say("the page cannot be opened: there is no xdg-open (package xdg-utils)\n");
 }
 

@@ -17,6 +17,12 @@ std::string percent(double relative) {
   return three_digits(100.0 * relative) + " %";
 }
 
+/// "below the measured errors, 1 % to 10 %"
+std::string outside(const char* what, bool below, const std::string& least, const std::string& most) {
+  const std::string range = least == most ? least + " alone" : least + " to " + most;
+  return fmt::format("{} the measured {}, {}", below ? "below" : "above", what, range);
+}
+
 /// A figure of a curve is a bound if a tie is next to where it is read.
 Bound bound_at(const std::vector<TradePoint>& envelope, double at, double TradePoint::*axis) {
   for (std::size_t k = 0; k < envelope.size(); ++k) {
@@ -73,9 +79,8 @@ OrReason<Bounded> time_at_error(double error, const std::vector<TradePoint>& env
   for (auto at = envelope.rbegin(); at != envelope.rend(); ++at) points.push_back({at->error, at->ms});
   if (const auto ms = log_log_at(points, error))
     return OrReason<Bounded>::of({*ms, bound_at(envelope, error, &TradePoint::error)});
-  return refuse(fmt::format("{} is {} the measured errors, {} to {}", percent(error),
-                            error < points.front().x ? "below" : "above", percent(points.front().x),
-                            percent(points.back().x)));
+  return refuse(percent(error) + " is " +
+                outside("errors", error < points.front().x, percent(points.front().x), percent(points.back().x)));
 }
 
 OrReason<Bounded> error_at_time(double ms, const std::vector<TradePoint>& envelope) {
@@ -86,9 +91,9 @@ OrReason<Bounded> error_at_time(double ms, const std::vector<TradePoint>& envelo
   for (const TradePoint& point : envelope) points.push_back({point.ms, point.error});
   if (const auto error = log_log_at(points, ms))
     return OrReason<Bounded>::of({*error, bound_at(envelope, ms, &TradePoint::ms)});
-  return refuse(fmt::format("{} ms is {} the measured times, {} to {} ms", three_digits(ms),
-                            ms > points.back().x ? "above" : "below", three_digits(points.front().x),
-                            three_digits(points.back().x)));
+  return refuse(three_digits(ms) + " ms is " +
+                outside("times", !(ms > points.back().x), three_digits(points.front().x) + " ms",
+                        three_digits(points.back().x) + " ms"));
 }
 
 OrReason<Bounded> speed_up(const Row& row, const std::vector<TradePoint>& envelope) {
@@ -115,10 +120,13 @@ std::vector<const Row*> most_efficient(const std::vector<const Row*>& rows) {
     group.rows.push_back(row);
     group.costs.push_back(point.value->ms * point.value->error * point.value->error);
   }
+  std::size_t most = 0;
+  for (const auto& [key, group] : groups) most = std::max(most, group.rows.size());
   double least = std::numeric_limits<double>::infinity();
   std::vector<const Row*> best;
   for (const auto& [key, group] : groups)
-    if (const double cost = median(group.costs); cost < least) least = cost, best = group.rows;
+    if (const double cost = median(group.costs); cost < least && 2 * group.rows.size() >= most)
+      least = cost, best = group.rows;
   return best;
 }
 

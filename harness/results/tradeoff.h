@@ -44,7 +44,8 @@ OrReason<Bounded> error_at_time(double ms, const std::vector<TradePoint>& envelo
 OrReason<Bounded> speed_up(const Row& row, const std::vector<TradePoint>& envelope);
 
 /// Of some rows, those of the backend and threads that reach an error fastest: the least median of time times squared
-/// error, which for independent samples does not depend on their number (efficiency of a Monte Carlo estimator).
+/// error, which for independent samples does not depend on their number (efficiency of a Monte Carlo estimator). Those
+/// with less than half as many rows as another make no curve beside it, and do not count.
 std::vector<const Row*> most_efficient(const std::vector<const Row*>& rows);
 
 }  // namespace penumbra

@@ -64,7 +64,7 @@ class ReportCommand : public test::CommandLine {
 };
 
 TEST_F(ReportCommand, TellsTheScriptWhereEverythingIs) {
-  python("echo page >\"$7\"");
+  python("echo page >\"$6\"");
   const std::string run_folder = results("a run");
   const test::Outcome o = run("report '" + run_folder + "'");
   EXPECT_EQ(o.code, 0) << o.err;
@@ -75,6 +75,7 @@ TEST_F(ReportCommand, TellsTheScriptWhereEverythingIs) {
   EXPECT_EQ(after("--results"), run_folder + "/results.json");
   EXPECT_EQ(after("--out"), run_folder + "/report.html");
   EXPECT_EQ(told("figures.json"), json::parse(run("report --figures '" + run_folder + "/results.json'").out));
+  EXPECT_EQ(test::read_text(run_folder + "/report.html"), "page\n");
   EXPECT_FALSE(std::filesystem::exists(after("--figures"))) << "what is passed is gone";
 }
 

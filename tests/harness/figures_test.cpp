@@ -181,8 +181,8 @@ TEST(Figures, HoldStagesAgainstPublishedTimes) {
 }
 
 TEST(Figures, APublishedTableThatCannotBeReadIsLeftOut) {
-  for (const json& times : {json("x"), json({{{"table", "9"}, {"subject", "x"}, {"variant", "y"}, {"row", "z"}}}),
-                            json({{{"table", "3"}, {"subject", "scene a"}, {"variant", "PCSS"}, {"row", "("}}})}) {
+  for (const json& times : {json("x"), json({{{"table", "9"}}}), to_json({{"9", "x", "y", "z", {}}}),
+                            to_json({{"3", "scene a", "PCSS", "(", {}}})}) {
     Results results = some_results();
     results.context["published"] = "zhu-2019-tables", results.context["published_times"] = times;
     EXPECT_TRUE(make_figures(results)["published"].empty()) << times;
