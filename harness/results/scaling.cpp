@@ -60,8 +60,13 @@ void add_curves(const std::string& axis, const std::vector<const Row*>& rows, st
   }
 }
 
-bool may_be_compared(const RowIdentity& a, const RowIdentity& b) {
-  return a.technique != b.technique && a.backend == b.backend && a.threads == b.threads;
+/// Different techniques, alike in all else that both have but for the axis.
+bool may_be_compared(const std::string& axis, const RowIdentity& a, const RowIdentity& b) {
+  if (a.technique == b.technique || a.backend != b.backend || a.threads != b.threads) return false;
+  return std::all_of(a.parameters.begin(), a.parameters.end(), [&](const auto& parameter) {
+    const auto theirs = b.parameters.find(parameter.first);
+    return parameter.first == axis || theirs == b.parameters.end() || theirs->second == parameter.second;
+  });
 }
 
 /// The same time all along a curve.
@@ -71,9 +76,11 @@ std::vector<CurvePoint> level_beside(const ScalingCurve& curve, const Row& row) 
 }
 
 void add_levels(const ScalingCurve& curve, const std::vector<const Row*>& rows, std::vector<BreakEven>& found) {
-  for (const Row* row : rows)
-    if (counts(*row) && !row->id.reads_spheres && may_be_compared(curve.rows[0]->id, row->id))
-      found.push_back({&curve, nullptr, row, log_log_crossing(curve.points, level_beside(curve, *row))});
+  for (const Row* row : rows) {
+    if (!counts(*row) || row->id.reads_spheres || !may_be_compared(curve.axis, curve.rows[0]->id, row->id)) continue;
+    auto crossing = log_log_crossing(curve.points, level_beside(curve, *row));
+    if (crossing.value) found.push_back({&curve, nullptr, row, std::move(crossing)});
+  }
 }
 
 }  // namespace
@@ -124,7 +131,7 @@ std::vector<BreakEven> break_evens(const std::vector<ScalingCurve>& curves, cons
     const ScalingCurve& first = curves[i];
     if (first.axis == "threads" || first.axis == "receivers") continue;
     for (std::size_t k = i + 1; k < curves.size(); ++k)
-      if (curves[k].axis == first.axis && may_be_compared(first.rows[0]->id, curves[k].rows[0]->id))
+      if (curves[k].axis == first.axis && may_be_compared(first.axis, first.rows[0]->id, curves[k].rows[0]->id))
         found.push_back({&first, &curves[k], nullptr, log_log_crossing(first.points, curves[k].points)});
     if (first.axis == "spheres") add_levels(first, rows, found);
   }

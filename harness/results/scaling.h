@@ -42,7 +42,8 @@ struct BreakEven {
 };
 
 /// Of every two curves over the same axis (threads and receivers excepted) that are of different techniques on the same
-/// backend and as many threads; over spheres, also of curves and rows that do not read them.
+/// backend and as many threads, with the same values of all other parameters that both have; over spheres, also of
+/// curves and rows that do not read them, where they cross.
 std::vector<BreakEven> break_evens(const std::vector<ScalingCurve>& curves, const std::vector<const Row*>& rows);
 
 }  // namespace penumbra

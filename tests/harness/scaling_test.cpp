@@ -118,13 +118,28 @@ TEST(Scaling, TechniquesBreakEvenWhereTheirCurvesCross) {
   const auto curves = scaling_curves(pointers(rows));
   ASSERT_EQ(curves.size(), 3u) << "rays over threads are the third";
   const auto found = break_evens(curves, pointers(rows));
-  ASSERT_EQ(found.size(), 3u) << "rays on two threads are compared with nothing";
+  ASSERT_EQ(found.size(), 2u) << "rays on two threads are compared with nothing, and roots only meet rays at their end";
   ASSERT_TRUE(found[0].second);
   EXPECT_NEAR(found[0].crossing.value->at, 400.0, 1e-9);
   EXPECT_TRUE(found[0].crossing.value->first_is_less_below);
   EXPECT_EQ(found[1].level, &rows[4]);
   EXPECT_NEAR(found[1].crossing.value->at, 200.0, 1e-9);
-  EXPECT_THAT(found[2].crossing.refused, HasSubstr("never")) << "roots meet rays where they begin";
+  EXPECT_TRUE(found[1].crossing.value->first_is_less_below);
+}
+
+TEST(Scaling, BreakEvenHoldsWhatBothHave) {
+  const std::vector<Row> rows = rows_of({{"a", 10, 50, 1, 1},
+                                         {"a", 1000, 50, 1, 100},
+                                         {"b", 10, 50, 1, 2},
+                                         {"b", 1000, 50, 1, 3},
+                                         {"b", 10, 200, 1, 4},
+                                         {"b", 1000, 200, 1, 5}});
+  std::vector<ScalingCurve> curves = scaling_curves(pointers(rows));
+  std::erase_if(curves, [](const ScalingCurve& curve) { return curve.axis != "spheres"; });
+  ASSERT_EQ(curves.size(), 3u);
+  const auto found = break_evens(curves, pointers(rows));
+  ASSERT_EQ(found.size(), 1u) << "50 terms are not held against 200";
+  EXPECT_EQ(found[0].second->rows[0], &rows[2]);
 }
 
 TEST(Scaling, ThreadsBreakEvenWithNothing) {
