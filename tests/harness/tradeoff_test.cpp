@@ -155,6 +155,15 @@ TEST(Tradeoff, TheMostEfficientBackendIsThatOfLeastTimeTimesSquaredError) {
   EXPECT_TRUE(most_efficient({&untimed}).empty());
 }
 
+TEST(Tradeoff, EfficiencyDoesNotDependOnHowManySamplesWereTaken) {
+  // The fast one was measured with many samples, the other, which takes twice as long for an error, with few.
+  std::vector<Row> rows = {trade_row("rays", 25, 0.02), trade_row("rays", 100, 0.01), trade_row("rays", 2, 0.1),
+                           trade_row("rays", 8, 0.05)};
+  rows[2].id.backend = rows[3].id.backend = "scalar";
+  const auto best = most_efficient(pointers(rows));
+  EXPECT_THAT(best, ElementsAre(&rows[0], &rows[1]));
+}
+
 /// 40 rows of coarse times and errors, so that many are equal.
 std::vector<Row> some_rows(unsigned seed) {
   std::minstd_rand random(seed);
