@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -33,8 +34,9 @@ double share_of(const char* option, const std::string& text) {
   const std::string unit(at, end);
   if (unit == "%") value /= 100.0;
   if (fault != std::errc() || (!unit.empty() && unit != "%") || !(value >= 0.0 && value <= 10.0) ||
-      (unit.empty() && value > 1.0))
-    throw Error("{} {}: allowed is 0% to 1000% (or 0 to 1 without a sign), such as 5%", option, text);
+      (unit.empty() && value >= 1.0))
+    throw Error("{} {}: allowed is 0% to 1000%, such as 5%, or a share below 1 without a sign, such as 0.05", option,
+                text);
   return value;
 }
 
@@ -48,14 +50,20 @@ void print(const CompareOptions& options, const Comparison& comparison) {
 
 int finish(const CompareOptions& options, const Comparison& comparison, const std::string& pictures_of_base,
            const std::string& pictures_of_next, const std::string& pictures) {
-  if (comparison.rows.empty())
+  if (comparison.rows.empty() && comparison.unmeasured == 0)
     throw Error("the two have no row in common: {} rows are in base alone, {} in new alone; compare runs of one suite",
                 comparison.removed.size(), comparison.added.size());
   print(options, comparison);
   if (pictures.empty()) return comparison.exit_code();
   const auto files = save_comparison_pictures(comparison, pictures_of_base, pictures_of_next, pictures);
-  if (!files.empty())
-    say(fmt::format("{} picture{} of changed errors: {}\n", files.size(), files.size() == 1 ? "" : "s", pictures));
+  const auto changed = std::count_if(comparison.rows.begin(), comparison.rows.end(), [](const ComparedRow& row) {
+    using Verdict = ErrorComparison::Verdict;
+    return row.error.verdict == Verdict::worse || row.error.verdict == Verdict::better;
+  });
+  if (changed > 0)
+    say(fmt::format("{} picture{} of {} changed error{}: {}{}\n", files.size(), files.size() == 1 ? "" : "s", changed,
+                    changed == 1 ? "" : "s", pictures,
+                    files.empty() ? " (the images of both runs are not there)" : ""));
   return comparison.exit_code();
 }
 

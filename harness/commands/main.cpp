@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 
 #include "harness/commands/commands.h"
 #include "harness/commands/help_format.h"
@@ -60,7 +61,9 @@ int main(int argc, char** argv) {
   } catch (const Error& e) {
     return complain(e.what(), 2);
   } catch (const std::exception& e) {
-    return complain(e.what(), 1);
+    return complain(e.what(), 2);
   }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return complain("what this prints cannot be written (standard output)", 2);
   return exit_code;
 }

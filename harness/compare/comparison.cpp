@@ -60,7 +60,8 @@ bool unusable(const Row& row) {
 /// What became of a row that not both have measured; empty if both have.
 std::string broken(const Row& base, const Row& next) {
   if (base.ok() && next.ok()) return "";
-  if (base.ok()) return (next.failed() ? "failed now" : "skipped now") + next.status.substr(next.status.find(':'));
+  const std::size_t colon = std::min(next.status.find(':'), next.status.size());
+  if (base.ok()) return (next.failed() ? "failed now" : "skipped now") + next.status.substr(colon);
   return next.ok() ? "mended" : "";
 }
 
@@ -74,6 +75,7 @@ ComparedRow compared(const Row& base, const Row& next, const std::string& not_co
   for (const auto& [whose, side] : {std::pair("base", &base), {"new", &next}})
     if (unusable(*side)) {
       row.broken.clear();
+      row.error = compare_errors(base, next, thresholds);
       row.time.verdict = Time::unknown, row.time.why = fmt::format("{} {}", whose, side->status);
       return row;
     }
@@ -104,7 +106,7 @@ void take_drift_in(Comparison& comparison) {
       errors.push_back(std::log(row.time.interval.high / row.time.interval.low) / (2.0 * 1.96));
     }
   const double drift = drift_between_runs(changes, errors);
-  if (!(drift > 0.0)) return;
+  if (!(drift > 0.0005)) return;
   std::size_t k = 0;
   for (ComparedRow& row : comparison.rows)
     if (measured(row)) {
@@ -155,14 +157,16 @@ auto weight(const ComparedRow& row) {
 
 void note_contexts(const nlohmann::json& base, const nlohmann::json& next, Comparison& comparison) {
   for (const auto& [whose, context] : {std::pair("base", &base), std::pair("new", &next)})
-    if (context->value("busy", false)) comparison.notes.push_back(fmt::format("{}: the machine was busy", whose));
+    if (const auto busy = context->find("busy"); busy != context->end() && *busy == true)
+      comparison.notes.push_back(fmt::format("{}: the machine was busy", whose));
 }
 
 /// 0 unless both were measured in one session.
 int looks_of(const nlohmann::json& base, const nlohmann::json& next) {
-  const nlohmann::json none;
-  const nlohmann::json session = base.value("session", none);
-  return session.is_object() && session == next.value("session", none) ? session.value("looks", 0) : 0;
+  const auto session = base.find("session"), other = next.find("session");
+  if (session == base.end() || other == next.end() || !session->is_object() || *session != *other) return 0;
+  const auto looks = session->find("looks");
+  return looks != session->end() && looks->is_number_integer() ? looks->get<int>() : 0;
 }
 
 }  // namespace
@@ -171,9 +175,12 @@ bool ComparedRow::regressed() const {
   return time.regressed || error.regressed || broken.starts_with("failed now");
 }
 
+bool ComparedRow::perhaps_faster() const {
+  return time.verdict == Time::unknown && time.base_ms > 0.0 && time.interval.high <= most_ratio;
+}
+
 bool ComparedRow::unknown() const {
-  const bool slower = time.base_ms == 0.0 || time.ratio > 1.0;  // what may be faster is no regression
-  return (time.verdict == Time::unknown && slower) || error.verdict == Error::unknown ||
+  return (time.verdict == Time::unknown && !perhaps_faster()) || error.verdict == Error::unknown ||
          broken.starts_with("skipped now");
 }
 
@@ -183,7 +190,7 @@ bool ComparedRow::changed() const {
 }
 
 int Comparison::exit_code() const {
-  if (rows.empty()) return 2;
+  if (rows.empty()) return unmeasured > 0 ? 3 : 2;
   const auto any = [&](auto what) { return std::any_of(rows.begin(), rows.end(), what); };
   if (any([](const ComparedRow& row) { return row.regressed(); })) return 1;
   return !removed.empty() ||
@@ -222,9 +229,11 @@ Comparison compare(const Results& base, const Results& next, const Thresholds& t
     if (const auto at = now.find(identity); at != now.end() && (rows.size() > 1 || at->second.size() > 1)) {
       ComparedRow& row =
           comparison.rows.emplace_back(ComparedRow{rows[0]->id.name(), rows[0], at->second[0], {}, {}, ""});
+      row.error = compare_errors(rows, at->second, thresholds);
       row.time.verdict = Time::unknown;
       row.time.why = fmt::format("stands {} times in base, {} in new", rows.size(), at->second.size());
     }
+  for (ComparedRow& row : comparison.rows) row.most_ratio = 1.0 + thresholds.slower;
   judge_all(comparison);
   note_common_shift(comparison);
   std::stable_sort(comparison.rows.begin(), comparison.rows.end(),

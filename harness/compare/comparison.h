@@ -17,7 +17,11 @@ struct ComparedRow {
   std::string
       broken;  ///< for a row that one of the two did not measure: "failed now: why", "skipped now: why", "mended"
 
+  double most_ratio = 1.0;  ///< of times, up to which a row has not regressed
+
   bool regressed() const;
+  /// No verdict on the time, but it has not regressed.
+  bool perhaps_faster() const;
   /// Is there a regression that cannot be ruled out?
   bool unknown() const;
   bool changed() const;
@@ -32,7 +36,8 @@ struct Comparison {
   bool side_by_side = false;
   Thresholds thresholds;
 
-  /// 0 fine, 1 a regression, 2 nothing in common, 3 none, but something is unknown, not comparable or removed.
+  /// 0 fine, 1 a regression, 2 nothing in common, 3 none, but something is unknown, not comparable or removed, or
+  /// nothing was measured.
   int exit_code() const;
 };
 

@@ -38,6 +38,15 @@ struct Scored {
   double above_noise() const { return std::max(error, floor()); }
 };
 
+/// Why an error cannot be used; empty if it can.
+std::string fault_of(const Scored& scored) {
+  if (!(scored.error >= 0.0 && std::isfinite(scored.error))) return "is no number";
+  if (!(scored.noise >= 0.0 && std::isfinite(scored.noise))) return "has a noise that is no number";
+  const bool zero = scored.error == 0.0;
+  return scored.relative && zero != (*scored.relative == 0.0) ? "and its share of the reference contradict each other"
+                                                              : "";
+}
+
 Scored scored(const std::string& rung, const RungErrors& errors) {
   const Errors& all = errors.report.all;
   const double signal = all.rel_rmse && *all.rel_rmse > 0.0 ? all.rmse / *all.rel_rmse : 0.0;
@@ -61,11 +70,12 @@ std::vector<Scored> all_of(const Score& score, std::size_t receivers) {
 ErrorComparison compare(const Scored& base, const Scored& next, bool same_scene, const Thresholds& thresholds) {
   using Verdict = ErrorComparison::Verdict;
   ErrorComparison result{Verdict::same, base.rung, base.relative, next.relative, 1.0, false, ""};
-  if (!std::isfinite(base.error) || !std::isfinite(next.error)) {
-    result.verdict = Verdict::unknown;
-    result.why = fmt::format("an error against {} is no number", base.rung);
-    return result;
-  }
+  for (const auto& [whose, side] : {std::pair("base", &base), {"new", &next}})
+    if (const std::string fault = fault_of(*side); !fault.empty()) {
+      result.verdict = Verdict::unknown;
+      result.why = fmt::format("the error of {} against {} {}", whose, side->rung, fault);
+      return result;
+    }
   const bool same_reference = same_scene && base.noise == next.noise && base.receivers == next.receivers;
   const double noise = same_reference ? 8.0 * base.noise / std::sqrt(double(std::max<std::size_t>(base.receivers, 1)))
                                       : std::max(base.noise, next.noise);
@@ -128,6 +138,7 @@ TimeComparison measure_change(const Timing& base, const Timing& next, int looks)
     change.ratio = change.next_ms / change.base_ms;
     change.interval = bootstrap_ratio(base.frame_ms, next.frame_ms, level);
     change.probability = mann_whitney(base.frame_ms, next.frame_ms);
+    change.identical = base.frame_ms == next.frame_ms;
   }
   return change;
 }
@@ -139,12 +150,23 @@ void judge(const Thresholds& thresholds, TimeComparison& change) {
   if (change.probability < false_alarms && !change.interval.contains(1.0)) {
     change.verdict = change.ratio > 1.0 ? Verdict::slower : Verdict::faster;
     change.regressed = change.ratio > most;
-  } else if (change.paired ? change.interval.within(1.0 / most, most)
-                           : change.ratio <= most && change.ratio >= 1.0 / most) {
+  } else if (change.interval.within(1.0 / most, most) || change.identical) {
     change.verdict = Verdict::same;
+  } else if (change.paired) {
+    change.why = "not certain within its budget; give more of it (--budget)";
   } else {
-    change.why = change.paired ? "not certain within its budget" : "beyond the threshold, not proven by these samples";
+    change.why = "samples scatter too much to tell; take more (--repetitions), or compare --ab";
   }
+}
+
+ErrorComparison compare_errors(const std::vector<const Row*>& base, const std::vector<const Row*>& next,
+                               const Thresholds& thresholds) {
+  ErrorComparison worst;
+  for (const Row* b : base)
+    for (const Row* n : next)
+      if (const ErrorComparison one = compare_errors(*b, *n, thresholds); worst.rung.empty() || tells_more(one, worst))
+        worst = one;
+  return worst;
 }
 
 ErrorComparison compare_errors(const Row& base, const Row& next, const Thresholds& thresholds) {

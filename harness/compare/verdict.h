@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "harness/compare/significance.h"
 #include "harness/results/row.h"
@@ -26,6 +27,7 @@ struct TimeComparison {
   Interval interval;         ///< of the ratio, 95 %
   double probability = 1.0;  ///< of a difference like this among equals; after Holm's correction over all rows
   bool paired = false;       ///< measured side by side
+  bool identical = false;    ///< the very same samples
   bool regressed = false;
   std::string why;  ///< for unknown and not_comparable
 };
@@ -62,5 +64,8 @@ void judge(const Thresholds& thresholds, TimeComparison& change);
 /// RMSEs by at most 2 n / sqrt(N) (standard error), of which four count; against two references, the larger of
 /// their noises counts. Errors below a floor (RungErrors::floor) are as large as that.
 ErrorComparison compare_errors(const Row& base, const Row& next, const Thresholds& thresholds);
+/// What tells most of all pairs, for rows that stand in a run more than once.
+ErrorComparison compare_errors(const std::vector<const Row*>& base, const std::vector<const Row*>& next,
+                               const Thresholds& thresholds);
 
 }  // namespace penumbra

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -148,7 +150,10 @@ std::vector<Row> rows_of(const element& file) {
 
 /// simdjson knows that a file is no JSON, nlohmann-json where it ceases to be.
 std::string why_no_json(const std::string& path, const char* otherwise) {
+  constexpr std::uintmax_t slow =
+      32 << 20;  // the second reader takes twenty times a file's size and a second per 5 MiB
   try {
+    if (std::filesystem::file_size(path) > slow) return otherwise;
     std::ifstream file(path);
     [[maybe_unused]] const json nothing = json::parse(file, [](int, json::parse_event_t, json&) { return false; });
   } catch (const std::exception& e) {
@@ -161,6 +166,7 @@ Results parsed(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) throw Error("it is no file");
   const std::uintmax_t size = std::filesystem::file_size(path);
   if (size == 0) throw Error("it is empty");
+  if (!std::ifstream(path)) throw Error("it cannot be opened: {}", std::strerror(errno));
   if (size > largest_file) throw Error("its {} MiB are more than any run writes", size >> 20);
   simdjson::dom::parser parser;
   element file;
@@ -205,10 +211,12 @@ void write_results(const std::string& directory, const Results& results) {
 }
 
 Results read_results_path(const std::string& file_or_folder) {
-  const bool folder = std::filesystem::is_directory(file_or_folder);
+  std::error_code fault;  // a loop of links, a name that is too long, a folder that is closed
+  const bool folder = std::filesystem::is_directory(file_or_folder, fault);
   const std::string path = folder ? file_or_folder + "/results.json" : file_or_folder;
-  if (!std::filesystem::exists(path))
-    throw Error("{}: no such file; give the folder of a run, or its results.json", path);
+  if (!std::filesystem::exists(path, fault) || fault)
+    throw Error("{}: {}; give the folder of a run, or its results.json", path,
+                fault && fault != std::errc::no_such_file_or_directory ? fault.message() : "no such file");
   return read_file(path, "give the folder of a run, or its results.json");
 }
 

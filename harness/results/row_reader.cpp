@@ -1,5 +1,6 @@
 #include "harness/results/row_reader.h"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -81,7 +82,8 @@ Values values_of(const element& in, const char* name) {
 Errors errors_from(const element& in) {
   Errors e;
   e.receivers = count_of(in, "receivers"), e.negative = count_of(in, "negative");
-  e.rmse = optional_number_of(in, "rmse").value_or(0.0), e.max = optional_number_of(in, "max").value_or(0.0);
+  e.rmse = optional_number_of(in, "rmse").value_or(e.receivers == 0 ? 0.0 : NAN),
+  e.max = optional_number_of(in, "max").value_or(0.0);
   e.mean_signed = optional_number_of(in, "mean_signed").value_or(0.0);
   e.rel_rmse = optional_number_of(in, "rel_rmse"), e.psnr = optional_number_of(in, "psnr");
   if (!e.psnr && e.rel_rmse && *e.rel_rmse == 0.0) e.psnr = std::numeric_limits<double>::infinity();

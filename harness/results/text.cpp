@@ -50,6 +50,36 @@ std::string cut_to_columns(const std::string& text, int columns) {
   return columns > 0 ? text.substr(0, at) + "…" : "";
 }
 
+std::string cut_in_middle(const std::string& text, int columns) {
+  if (columns_of(text) <= columns) return text;
+  const int end = columns / 2;
+  std::size_t at = 0;
+  for (int left = columns_of(text); at < text.size() && left > end;) {
+    const std::size_t size = letter_size(text, at);
+    left -= letter_columns(text, at, size);
+    at += size;
+  }
+  return cut_to_columns(text, columns - columns_of(text.substr(at))) + text.substr(at);
+}
+
+std::string printable(const std::string& text) {
+  const auto steers = [](const std::string& letter) {
+    const auto first = static_cast<unsigned char>(letter[0]);
+    if (letter.size() == 1) return first < 0x20 || first == 0x7F;
+    if (letter.size() == 2) return letter < "\xC2\xA0";               // U+0080 to U+009F
+    return (letter >= "\xE2\x80\x8E" && letter <= "\xE2\x80\x8F") ||  // marks, embeddings, overrides, isolates
+           (letter >= "\xE2\x80\xA8" && letter <= "\xE2\x80\xAE") ||
+           (letter >= "\xE2\x81\xA6" && letter <= "\xE2\x81\xA9");
+  };
+  std::string shown;
+  for (std::size_t at = 0, size = 0; at < text.size(); at += size) {
+    size = letter_size(text, at);
+    const std::string letter = text.substr(at, size);
+    shown += steers(letter) ? " " : letter;
+  }
+  return shown;
+}
+
 std::string first_letter(const std::string& text) {
   return text.empty() ? "" : text.substr(0, letter_size(text, 0));
 }

@@ -11,6 +11,13 @@ int columns_of(const std::string& text);
 /// The text if it takes at most so many columns, else as much of it as they hold with an ellipsis behind it.
 std::string cut_to_columns(const std::string& text, int columns);
 
+/// The same with its begin and its end: names differ at the end.
+std::string cut_in_middle(const std::string& text, int columns);
+
+/// Control characters, line breaks and what turns the direction of writing as spaces: what comes from files must not
+/// steer a terminal.
+std::string printable(const std::string& text);
+
 /// The text's first letter, all bytes of it; "" of an empty text.
 std::string first_letter(const std::string& text);
 

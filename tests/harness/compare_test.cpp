@@ -135,6 +135,38 @@ TEST(Compare, WhatFewSamplesCannotProveIsUnknown) {
       << "what may be faster is no regression";
 }
 
+TEST(Compare, SamplesThatScatterProveNothing) {
+  const std::vector<double> calm = {1.0, 5.0, 9.0};
+  for (const std::vector<double>& wild : {std::vector<double>{0.5, 5.1, 90.0}, {0.1, 3.0, 60.0}}) {
+    const Comparison c = compare(run({row("s", "t", calm)}), run({row("s", "t", wild)}), {});
+    EXPECT_EQ(c.exit_code(), 3);
+    EXPECT_EQ(c.rows[0].time.verdict, Time::unknown);
+    EXPECT_NE(c.rows[0].time.why.find("--repetitions"), std::string::npos) << "says what to do";
+  }
+  EXPECT_EQ(compare(run({row("s", "t", calm)}), run({row("s", "t", calm)}), {}).exit_code(), 0) << "the same samples";
+}
+
+TEST(Compare, AnErrorIsComparedWhereATimeCannotBe) {
+  const std::vector<double> ms = {1.0, 1.1, 1.2};
+  Row bad = row("s", "t", ms, 0.09);
+  bad.status = "failed: its times cannot be used (0 ms)";
+  EXPECT_EQ(compare(run({row("s", "t", ms)}), run({bad}), {}).exit_code(), 1);
+  const Results twice = run({row("s", "t", ms, 0.03), row("s", "t", ms, 0.09)});
+  EXPECT_EQ(compare(run({row("s", "t", ms)}), twice, {}).exit_code(), 1);
+}
+
+TEST(Compare, AFileFromElsewhereDoesNotEndIt) {
+  const std::vector<double> ms = {1.0, 1.1, 1.2};
+  Row failed = row("s", "t", ms);
+  failed.status = "failed";  // no reason
+  EXPECT_EQ(compare(run({row("s", "t", ms)}), run({failed}), {}).exit_code(), 1);
+  Results one = run({row("s", "t", ms)});
+  one.context["busy"] = "yes", one.context["session"] = {{"looks", "x"}};
+  EXPECT_EQ(compare(one, one, {}).exit_code(), 0);
+  one.rows[0].status = "skipped: no device";
+  EXPECT_EQ(compare(one, one, {}).exit_code(), 3) << "nothing was measured";
+}
+
 TEST(Compare, TimesThatAreNoneAreSaid) {
   const std::vector<double> good = {1.0, 1.1, 1.2};
   for (const double bad : {0.0, -1.0, double(NAN), double(INFINITY)}) {
@@ -291,6 +323,16 @@ TEST(CompareErrors, AChangeOfTwiceTheNoiseFloorIsAlwaysFound) {
     Row other_truth = row("s", "t", {}, base + twice);
     other_truth.facts.scene_key = "same scene, another truth";
     EXPECT_EQ(compare_errors(row("s", "t", {}, base), other_truth, {}).verdict, Error::worse) << base;
+  }
+}
+
+TEST(CompareErrors, NoNumberIsUnknown) {
+  const Row good = row("s", "t", {}, 0.03);
+  for (const double bad : {double(NAN), double(INFINITY), -0.03, 0.0}) {  // 0 contradicts the share that stays
+    Row next = good;
+    next.score.errors["truth"].report.all.rmse = bad;
+    EXPECT_EQ(compare_errors(good, next, {}).verdict, Error::unknown) << bad;
+    EXPECT_EQ(compare_errors(next, good, {}).verdict, Error::unknown) << bad;
   }
 }
 

@@ -49,7 +49,9 @@ Results score(const SideBySide& plan, int side) {
   const std::string command = command_of(plan, side, "run") + " --repetitions 1 --out " + shell_word(folder);
   const CommandEnd end = run_command("exec " + command, ".", 24.0 * patience_s, [](std::string_view) {});
   Results results = read_results(folder);
-  if (results.rows.empty()) throw Error("{}: {} measured nothing: it {}", plan.programs[side], plan.suite, end.fault());
+  if (results.rows.empty())
+    throw Error("{}: {} measured nothing: it {}", plan.programs[side], plan.suite,
+                end.fault().empty() ? "ended well and wrote no rows; is it penumbra?" : end.fault());
   return results;
 }
 

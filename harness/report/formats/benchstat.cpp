@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "harness/report/formats/exported_rows.h"
+#include "harness/results/text.h"
 
 namespace penumbra {
 namespace {
@@ -23,8 +24,7 @@ std::string name_of(const Row& row) {
 std::string settings_of(const nlohmann::json& context) {
   std::string text;
   for (const char* field : {"suite", "commit", "cpu_name", "compiler", "flags"}) {
-    std::string value = context_text(context, field);
-    std::replace(value.begin(), value.end(), '\n', ' ');
+    const std::string value = printable(context_text(context, field));
     if (!value.empty()) text += fmt::format("{}: {}\n", field == std::string("cpu_name") ? "cpu" : field, value);
   }
   return text;
