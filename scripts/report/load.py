@@ -50,15 +50,16 @@ class Run:
         if not isinstance(self.context, dict):
             raise BadInput(f"{path}: not a results file: its 'context' is no object")
         try:
+            lists = [document["benchmarks"]] if "format_version" not in document else [document[name] for name in results_file.LISTS]
+            names = [row["name"] for rows in lists for row in rows]
+            if len(set(names)) != len(names):
+                raise BadInput(f"{path}: a row stands there twice")
             self.rows = results_file.rows_of(document)
-            names = [row["name"] for row in self.rows]
             for row in self.rows:
                 for key in ("scene", "technique", "backend", "status"):
                     row[key] = str(row[key])
         except (KeyError, TypeError, AttributeError) as e:
             raise BadInput(f"{path}: not a results file of this version: {type(e).__name__} {e}") from e
-        if len(set(names)) != len(names):
-            raise BadInput(f"{path}: a row stands there twice")
 
     @property
     def machine(self) -> tuple:

@@ -33,10 +33,11 @@ def labels(rows: list[dict]) -> list[str]:
              for row in rows]
     sphere_counts = {spheres_text(row) for row in rows} - {""}
     for k, row in enumerate(rows):
+        texts[k] += f" · {shortened(row['backend'], 40)}"
         if len(sphere_counts) > 1 and spheres_text(row):
             texts[k] += f" · {spheres_text(row)} spheres"
-        texts[k] += f" · {shortened(row['backend'], 40)}"
-        if len({other.get("threads") for other in rows if other["technique"] == row["technique"]}) > 1:
+        if len({other.get("threads") for other in rows
+                if (other["technique"], other["backend"]) == (row["technique"], row["backend"])}) > 1:
             texts[k] += f" · {row.get('threads')} threads"
     return texts
 

@@ -1,9 +1,10 @@
 // Okabe & Ito's colours, which the colour-blind tell apart too; techniques differ by their marker as well.
+// The first is lighter on dark paper.
 const palette = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8a8a", "#b8a800"];
 const markers = ["circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x", "star", "hexagon", "pentagon", "bowtie", "hourglass"];
 const colourOf = (technique) => palette[Math.max(0, techniques().indexOf(technique)) % palette.length];
 const markerOf = (technique, backend) =>
-  markers[Math.max(0, techniques().indexOf(technique)) % markers.length] + ({scalar: "-open", cuda: "-dot"}[backend] || "");
+  markers[Math.max(0, techniques().indexOf(technique)) % markers.length] + ({scalar: "-open", cuda: "-open-dot", external: "-open"}[backend] || "");
 
 let allTechniques = null;
 function techniques() {

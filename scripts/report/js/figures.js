@@ -1,6 +1,6 @@
 // Plots over parameters, and bars of what errors, frames and memory are made of.
 const MOST_BARS = 20;
-const shortLabel = (text) => (text.length > (isNarrow() ? 24 : 52) ? text.slice(0, isNarrow() ? 23 : 51) + "…" : text);
+const shortLabel = (text) => (text.length > (isNarrow() ? 26 : 76) ? text.slice(0, isNarrow() ? 25 : 75) + "…" : text);
 
 /// Rows of a scene that bars show: the frontier first, then by time.
 function barRows(scene, has) {
@@ -16,7 +16,7 @@ function bars(parent, label, {rows, shown}, series, title, mode, unit) {
   const place = figureBox(parent, label, ["row", ...series.map(([name]) => `${name}, ${unit}`)], rows.map((row) => [row.label, ...series.map(([, value]) => value(row))]));
   const lines = [...shown].reverse(), y = lines.map((_, k) => k);
   const traces = series.map(([name, value], n) => ({type: "bar", orientation: "h", name: plotText(name), y, x: lines.map((row) => value(row) ?? 0),
-    marker: {color: palette[n % palette.length], pattern: {shape: ["", "/", ".", "x", "\\", "-", "+", "|"][n % 8], fgopacity: 0.6, solidity: 0.35}}}));
+    marker: {color: palette[n % palette.length], pattern: {shape: ["", "/", ".", "x", "\\", "-", "+", "|"][n % 8], fillmode: "overlay", fgcolor: "#ffffff", fgopacity: 0.55, solidity: 0.25, size: 7}}}));
   const per = mode === "group" ? Math.max(24, 9 * series.length + 10) : 24;
   return draw(place, traces, layout({barmode: mode, bargap: 0.25, height: 110 + per * lines.length, margin: {l: 10, r: 16, t: 8, b: 40}, showlegend: series.length > 1,
     legend: {orientation: "h", y: 1.01, yanchor: "bottom", x: 0, traceorder: "normal"},
@@ -51,7 +51,7 @@ function memoryDots(parent, scene) {
   const place = figureBox(parent, "Memory", ["row", "MB", ...parts.map((name) => `${name}, MB`)], rows.map((row) => [row.label, row.bytes / 1e6, ...parts.map((name) => (row.footprint[name] ?? 0) / 1e6)]));
   const lines = [...shown].reverse(), y = lines.map((_, k) => k);
   draw(place, [{type: "scatter", mode: "markers", x: lines.map((row) => Math.max(row.bytes, 1) / 1e6), y, marker: {size: 9, color: lines.map((row) => colourOf(row.technique)), symbol: lines.map((row) => markerOf(row.technique, row.backend))}}],
-    layout({height: 80 + 22 * lines.length, showlegend: false, margin: {l: 10, r: 16, t: 8, b: 40}, xaxis: logAxis("MB", {dtick: 1}), yaxis: axis("", {tickvals: y, ticktext: lines.map((row) => plotText(shortLabel(row.label))), range: [-0.6, lines.length - 0.4]})}));
+    layout({height: 80 + 22 * lines.length, showlegend: false, margin: {l: 10, r: 16, t: 8, b: 40}, xaxis: logAxis("MB", {range: logRange(lines.map((row) => Math.max(row.bytes, 1) / 1e6))}), yaxis: axis("", {tickvals: y, ticktext: lines.map((row) => plotText(shortLabel(row.label))), range: [-0.6, lines.length - 0.4]})}));
 }
 
 const slopeText = (s) => (s.slope == null ? `no slope: ${s.refused ?? "not told"}` : `${digits(s.slope)}${s.low == null ? "" : ` (${digits(s.low)} to ${digits(s.high)})`}`);

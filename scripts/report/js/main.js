@@ -3,6 +3,7 @@ let data = null;
 
 function start() {
   data = JSON.parse(document.getElementById("data").textContent);
+  palette[0] = isDark() ? "#4aa3df" : "#0072b2";
   readHash();
   const showControls = setUpControls();
   answerAll();
@@ -13,6 +14,7 @@ function start() {
   const redrawFigures = setUpFigures(), redrawHistory = setUpHistory();
   for (const button of $$("button.pictures")) button.addEventListener("click", () => viewExtra(Number(button.dataset.extra)));
   const redraw = () => {
+    palette[0] = isDark() ? "#4aa3df" : "#0072b2";
     plots.filter((plot) => plot.graph).forEach((plot) => plot.draw());
     redrawFigures();
     redrawHistory();
@@ -41,6 +43,7 @@ function start() {
       part.scrollIntoView();
     });
   showPicked();
+  window.report = {data, state, cheapest, flip, imageOf, chosen, csvOf};  // for tests, and for the curious
   document.documentElement.dataset.ready = "yes";
 }
 

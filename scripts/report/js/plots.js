@@ -17,7 +17,12 @@ const isNarrow = () => innerWidth < 640;
 function axis(title, more = {}) {
   return {title: {text: title, standoff: 8}, gridcolor: paint("--grid"), linecolor: paint("--line"), zeroline: false, automargin: true, color: paint("--soft"), ...more};
 }
-const logAxis = (title, more = {}) => axis(title, {type: "log", dtick: "D2", exponentformat: "none", minexponent: 6, ...more});
+/// Ticks say whole numbers: 1, 2 and 5 of every decade; over many decades 1 alone.
+function logAxis(title, more = {}) {
+  const [low, high] = more.range ?? [-3, 4], parts = high - low > 3.5 || (isNarrow() && high - low > 2) ? [1] : [1, 2, 5], tickvals = [];
+  for (let k = Math.floor(low) - 1; k <= high + 1; ++k) for (const part of parts) tickvals.push(part * 10 ** k);
+  return axis(title, {type: "log", tickvals, ticktext: tickvals.map((x) => digits(x)), ...more});
+}
 function layout(more) {
   return {paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: {color: paint("--ink"), family: "system-ui, sans-serif", size: 12}, margin: {l: 56, r: 12, t: 12, b: 48},
     hovermode: false, dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom", legend: {orientation: "h", y: -0.18, x: 0, xanchor: "left", itemsizing: "constant"}, ...more};
@@ -66,7 +71,7 @@ function scenePlot(scene) {
     shapes.push({type: "rect", xref: "paper", x0: 0, x1: 1, y0: 10 ** (ys[0] - 3), y1: 100 * scene.floor, fillcolor: paint("--band"), line: {width: 0}, layer: "below"});
     annotations.push({xref: "paper", x: 1, xanchor: "right", y: Math.log10(100 * scene.floor), yanchor: "top", text: "the reference's noise: ties", showarrow: false, font: {size: 11, color: paint("--soft")}});
   }
-  return {rows, traces, layout: layout({shapes, annotations, height: isNarrow() ? 420 : 460, xaxis: logAxis(state.moves ? "ms a frame, the mesh moves" : "ms a frame", {range: xs}), yaxis: logAxis("error, % of truth", {range: ys})})};
+  return {rows, traces, layout: layout({shapes, annotations, height: isNarrow() ? 320 + 19 * traces.length : 460, xaxis: logAxis(state.moves ? "ms a frame, the mesh moves" : "ms a frame", {range: xs}), yaxis: logAxis("error, % of truth", {range: ys})})};
 }
 
 /// A plot and its table: what the eye sees, a screen reader reads. Returns where the plot goes.

@@ -6,7 +6,7 @@ const columns = [
   ["update ms", (r) => r.update], ["shade ms", (r) => r.shade], ["MB", (r) => (r.bytes === null ? null : r.bytes / 1e6)], ["threads", (r) => r.threads],
 ];
 const percentOf = (row, rung) => (row.rungs[rung]?.rel_rmse == null ? null : 100 * row.rungs[rung].rel_rmse);
-const cellText = (value) => (typeof value === "number" ? digits(value) : value ?? "–");
+const cellText = (value) => (typeof value !== "number" ? value ?? "–" : Number.isInteger(value) ? String(value) : digits(value));
 
 function table(heads, lines, options = {}) {
   const head = el("tr", {}, ...heads.map((text) => el("th", {scope: "col"}, text)));
