@@ -106,7 +106,8 @@ def scenes_of(rows: list[dict], figures: dict, truths: dict) -> list[dict]:
             "ray_traced": numbers(f.get("ray_traced")), "truth": truths.get(name),
             "cheapest": {str(e["limit"]): place.get(e.get("row")) for e in map(mapping, listing(f.get("cheapest"))) if "limit" in e},
             "speed_up": {place[e["row"]]: words.speed_up_text(e) for e in entries
-                         if rows[place[e["row"]]]["technique"] != "ray-traced"},
+                         if e["row"] not in listing(f.get("ray_traced"))},
+            "families": [mapping(x) for x in listing(f.get("families"))],
             "scaling": [mapping(s) for s in listing(f.get("scaling"))],
             "break_even": [mapping(s) for s in listing(f.get("break_even"))]})
     return scenes

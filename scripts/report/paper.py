@@ -92,6 +92,7 @@ def published_table(table: dict, citations: Citations) -> str:
     lines = []
     for line in table["lines"]:
         cells = {("", tex(name)): tex(value) for name, value in zip(table["down"], line["head"])}
+        cells["", "here"] = tex(line["variant"] or "–")
         for column, cell in zip(table["columns"], line["cells"]):
             head = tex(f"{column} {table['across']}" if table["across"] == "spheres" else column or "figure")
             for name in ("published", "here", "ratio"):
@@ -99,8 +100,8 @@ def published_table(table: dict, citations: Citations) -> str:
         lines.append(cells)
     frame = pandas.DataFrame(lines)
     frame.columns = pandas.MultiIndex.from_tuples(frame.columns)
-    text = frame.style.hide(axis="index").to_latex(hrules=True, multicol_align="c", column_format="l" * len(table["down"]) + "r" * (
-        len(frame.columns) - len(table["down"])))
+    text = frame.style.hide(axis="index").to_latex(hrules=True, multicol_align="c", column_format="l" * (len(table["down"]) + 1) + "r" * (
+        len(frame.columns) - len(table["down"]) - 1))
     source = rf"\multicolumn{{{len(frame.columns)}}}{{l}}{{{tex(table['title'])}, {tex(table['unit'])} \cite{{{citations.key(table['title'])}}}}} \\"
     return text.replace("\\bottomrule", f"\\midrule\n{source}\n\\bottomrule")
 

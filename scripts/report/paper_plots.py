@@ -70,7 +70,7 @@ def scaling(entries: list[dict], name: str, techniques: list[str], path: pathlib
     for entry in entries:
         points = sorted((x, ms) for x, ms in entry["points"] if x > 0 and ms > 0)
         slope = entry.get("slope")
-        label = f"{entry['technique']} {entry['backend']}"[:60]
+        label = f"{entry['technique']} {entry['backend']} ({entry.get('fixed') or ''})"[:90]
         if slope is not None:
             label += f": {slope:.2f}" + (f" ({entry['low']:.2f} to {entry['high']:.2f})" if entry.get("low") is not None else "")
         known = techniques if entry["technique"] in techniques else [*techniques, entry["technique"]]

@@ -82,6 +82,7 @@ def fields_of(row: dict, label: str) -> dict:
         "set": shortened(row.get("instruction_set") or "", 40),
         "parameters": {shortened(k, 60): v if number(v) is not None else shortened(v, 60)
                        for k, v in mapping(row.get("parameters")).items()},
+        "told": {shortened(k, 60): shortened(value_text(v), 60) for k, v in told(row).items()},
         "spheres": number(row.get("spheres")), "reads_spheres": bool(row.get("reads_spheres")),
         "objective": shortened(row.get("objective") or "", 40), "receivers": number(row.get("receivers")),
         "frame": number(row.get("frame_ms")), "spread": number(row.get("frame_spread_ms")) or 0,

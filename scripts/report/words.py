@@ -47,9 +47,11 @@ def speed_up_text(entry) -> str:
     if not entry:
         return ""
     if entry.get("factor") is not None:
-        value = entry["factor"]
-        return f"{value:.3g} times as fast as ray tracing at equal error" if value >= 1 else \
-            f"ray tracing is {1 / value:.3g} times as fast at equal error"
+        value, bound = entry["factor"], str(entry.get("bound") or "")
+        opposite = {"at least": "at most", "at most": "at least"}.get(bound, bound)
+        if value >= 1:
+            return f"{bound} {value:.3g} times as fast as ray tracing at equal error".strip()
+        return " ".join(f"ray tracing is {opposite} {1 / value:.3g} times as fast at equal error".split())
     return "no speed-up over ray tracing can be said: " + str(entry.get("refused", "not measured"))
 
 

@@ -56,34 +56,48 @@ class BrowserCase(unittest.TestCase):
         cls.addClassCleanup(cls.browser.close)
 
     def open(self, file, fragment="", **options):
-        """A page whose faults are collected; close_page() looks at them."""
+        """A page of its own, whose faults are looked at in the end."""
+        context, page = self.new_page(file, fragment, **options)
+        self.addCleanup(context.close)
+        self.addCleanup(self.assert_silent, page)
+        return page
+
+    def shared(self, file):
+        """One page for all tests of a class that leave it as it was, for opening takes longest."""
+        cls = type(self)
+        if not getattr(cls, "shared_page", None):
+            context, cls.shared_page = self.new_page(file, "")
+            cls.addClassCleanup(context.close)
+        self.addCleanup(self.assert_silent, cls.shared_page)
+        return cls.shared_page
+
+    def new_page(self, file, fragment, **options):
         options.setdefault("viewport", {"width": 1280, "height": 900})
-        self.context = self.browser.new_context(accept_downloads=True, **options)
-        self.addCleanup(self.context.close)
-        self.faults, self.requests = [], []
+        context = self.browser.new_context(accept_downloads=True, **options)
+        faults, requests = [], []
 
         def route(request_route):
             url = request_route.request.url
             if url.startswith(("file:", "data:", "blob:")):
                 return request_route.continue_()
-            self.requests.append(url)
+            requests.append(url)
             request_route.abort()
 
-        self.context.route("**/*", route)
-        page = self.context.new_page()
+        context.route("**/*", route)
+        page = context.new_page()
+        page.faults, page.asked = faults, requests
         page.set_default_timeout(20000)
-        page.on("console", lambda message: self.faults.append(message.text) if message.type in ("error", "warning") else None)
-        page.on("pageerror", lambda error: self.faults.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url) if request.url.startswith(("http", "ws", "ftp")) else None)
-        page.on("dialog", lambda dialog: (self.faults.append("a dialog: " + dialog.message), dialog.dismiss()))
-        self.addCleanup(self.assert_silent)
+        page.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("request", lambda request: requests.append(request.url) if request.url.startswith(("http", "ws", "ftp")) else None)
+        page.on("dialog", lambda dialog: (faults.append("a dialog: " + dialog.message), dialog.dismiss()))
         page.goto(f"file://{file}{fragment}")
-        page.wait_for_selector("html[data-ready]", timeout=20000)
-        return page
+        page.wait_for_selector("html[data-ready]")
+        return context, page
 
-    def assert_silent(self):
-        self.assertEqual(self.faults, [], "the page complains")
-        self.assertEqual(self.requests, [], "the page asks a network")
+    def assert_silent(self, page):
+        self.assertEqual(page.faults, [], "the page complains")
+        self.assertEqual(page.asked, [], "the page asks a network")
 
     def drawn(self, page, selector):
         """Waits until a plot is drawn."""

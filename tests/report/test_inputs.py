@@ -114,7 +114,7 @@ class Inputs(BrowserCase):
         for selector in ("#scene-0 .plot", "[data-figure=parts] .plot", "[data-figure=memory] .plot"):
             self.drawn(page, selector)
         page.locator("#scene-0 details.data summary").click()
-        self.assertEqual(page.locator("#scene-0 table tbody tr").count(), 24)
+        page.wait_for_selector("#scene-0 table tbody tr:nth-child(24)", state="attached")
 
     def test_no_figures_and_no_rows(self):
         made = made_results.Made()
@@ -199,7 +199,7 @@ class Compared(BrowserCase):
         self.assertEqual(pictures.locator("img").count(), 3)
         self.assertEqual(len(set(pictures.locator("img").evaluate_all("(all) => all.map((i) => i.src)"))), 3)
         pictures.click()
-        page.wait_for_selector(".panel[data-mean]")
+        page.wait_for_function("document.querySelector('#view-a').value.startsWith('base')")
         self.assertTrue(page.locator("#view-a").input_value().startswith("base"))
         self.assertEqual(page.locator("#view-b").input_value(), str(self.new.lists["rows"].index(self.changed)))
         page.locator("#changes thead button", has_text="ratio").first.click()

@@ -5,7 +5,8 @@ import unittest
 
 from axe_playwright_python.sync_playwright import Axe
 
-from support import BrowserCase, run_report, small_run
+import made_results
+from support import BrowserCase, run_report, small_run, write_json
 
 
 class Page(BrowserCase):
@@ -35,18 +36,21 @@ class Page(BrowserCase):
         return x, y
 
     def test_plots_are_drawn(self):
-        page = self.open(self.file)
+        page = self.shared(self.file)
         for selector in ("#scene-0 .plot", "#scene-1 .plot", "[data-figure=scaling] .plot", "[data-figure=parts] .plot",
                          "[data-figure=stages] .plot", "[data-figure=memory] .plot"):
             self.drawn(page, selector)
         scene = json.loads(page.evaluate("JSON.stringify(report.data.scenes[0].rows)"))
-        self.assertEqual(page.locator("#scene-0 .plot .scatterlayer .points path.point").count(), len(scene) + 16)  # and published times
+        self.assertEqual(page.locator("#scene-0 .plot .scatterlayer .points path.point").count(), len(scene) + 8)  # and published times
         self.assertGreater(page.locator("#scene-0 .plot .errorbar").count(), 0)
         self.assertIn("ties", page.locator("#scene-0 .plot").text_content())
         self.assertIn("slope 0.8 (0.7 to 0.9)", page.locator("[data-figure=scaling]").text_content())
+        equal = page.locator("[data-figure=equal] tbody tr").first
+        self.assertEqual(equal.locator("th, td").all_inner_texts(), ["wavelet simd", "–", "2.5", "–", "2"])
+        self.assertEqual(equal.locator("td").first.get_attribute("title"), "1 % is below <b>")
 
     def test_slider_agrees_with_the_derived_figures(self):
-        page = self.open(self.file)
+        page = self.shared(self.file)
         for limit in self.figures["limits"]:
             page.locator(f".ticks button[data-limit='{limit:g}']").click()
             page.wait_for_timeout(60)
@@ -113,8 +117,7 @@ class Page(BrowserCase):
         self.assertEqual(page.locator("#scene-0 .picked img").count(), 2)
         self.assertTrue(page.locator("#card").is_hidden())
         page.locator("#scene-0 .open-viewer").click()
-        page.wait_for_timeout(400)
-        self.assertEqual([page.locator("#view-a").input_value(), page.locator("#view-b").input_value()], ["2", "0"])
+        page.wait_for_function("document.querySelector('#view-a').value === '2' && document.querySelector('#view-b').value === '0'")
 
     def test_keyboard_walks_and_picks(self):
         page = self.open(self.file)
@@ -137,7 +140,7 @@ class Page(BrowserCase):
         for k in range(4):
             self.assertGreater(drawn(k), 8, f"panel {k} is empty")
         page.select_option("#view-b", "0")
-        page.wait_for_timeout(400)
+        page.wait_for_function("document.querySelector('#regions').innerText.includes(report.data.rows[0].label)")
         box = page.locator(".panel > canvas").nth(1).bounding_box()
         page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
         page.wait_for_timeout(100)
@@ -165,8 +168,9 @@ class Page(BrowserCase):
             self.assertIn(word, page.locator("#regions").inner_text())
 
     def test_tables_sort(self):
-        page = self.open(self.file)
+        page = self.shared(self.file)
         page.locator("#scene-0 details.data summary").click()
+        page.wait_for_selector("#scene-0 table tbody tr", state="attached")
         column = lambda k: page.locator(f"#scene-0 table tbody tr :nth-child({k})").all_inner_texts()
         times = [float(t) for t in column(2)]
         self.assertEqual(times, sorted(times))
@@ -176,6 +180,7 @@ class Page(BrowserCase):
         page.locator("#scene-0 table thead button", has_text="error %").click()
         self.assertEqual([float(t) for t in column(4)], sorted(errors, reverse=True))
         page.locator("#scene-1 details.data summary").click()
+        page.wait_for_selector("#scene-1 table tbody tr", state="attached")
         self.assertEqual(page.locator("#scene-1 table tbody tr.grey").count(), 2)
 
     def test_selection_lives_in_the_address(self):
@@ -185,7 +190,7 @@ class Page(BrowserCase):
         page.locator("input[name=backend][value=scalar]").uncheck()
         page.locator("#moves").check()
         page.select_option("#memory", "100000000")
-        page.wait_for_timeout(500)
+        page.wait_for_function("location.hash.includes('memory')")
         fragment = page.evaluate("location.hash")
         again = self.open(self.file, fragment + "&picked=0-2&b=2&mode=slider")
         self.assertEqual(again.locator("#limit-text").inner_text(), "1 %")
@@ -194,12 +199,9 @@ class Page(BrowserCase):
         self.assertEqual(again.locator("#memory").input_value(), "100000000")
         self.assertEqual(again.locator("#scene-0 .picked figure").count(), 2)
         again.locator("#viewer").scroll_into_view_if_needed()
-        again.wait_for_timeout(600)
-        self.assertEqual(again.locator("#view-mode").input_value(), "slider")
-        self.assertEqual(again.locator("#view-b").input_value(), "2")
+        again.wait_for_function("document.querySelector('#view-mode').value === 'slider' && document.querySelector('#view-b').value === '2'")
         again.evaluate("location.hash = '#error=0.1&picked=1'")
-        again.wait_for_timeout(300)
-        self.assertEqual(again.locator("#limit-text").inner_text(), "10 %")
+        again.wait_for_function("document.querySelector('#limit-text').textContent === '10 %'")
         strange = self.open(self.file, "#error=-5&picked=99999-x&scene=99&a=%3Cb%3E&mode=zzz&ev=1e9&technique=")
         self.assertEqual(strange.locator("#limit-text").inner_text(), "2 %")
 
@@ -233,22 +235,26 @@ class Page(BrowserCase):
         self.assertEqual(wide, 0)
 
     def test_published_tables_have_the_papers_layout(self):
-        page = self.open(self.file)
+        page = self.shared(self.file)
         heads = page.locator("table.published thead th").all_inner_texts()
-        self.assertEqual(heads, ["terms", "device", "32 spheres", "64 spheres", "96 spheres", "128 spheres"])
-        cell = page.locator("table.published tbody tr").first.locator("td").first.inner_text()
+        self.assertEqual(heads, ["terms", "device", "measured here", "32 spheres", "64 spheres", "96 spheres", "128 spheres"])
+        cell = page.locator("table.published tbody tr").first.locator("td").nth(1).inner_text()
         for word in ("170", "11", "× 15.5"):
             self.assertIn(word, cell)
+        lines = page.locator("table.published tbody tr")
+        self.assertEqual(lines.count(), 4)
+        self.assertEqual(lines.nth(0).locator("td").first.inner_text(), "ray-traced simd rays=4, 2 threads")
+        self.assertEqual(lines.nth(2).locator("td").all_inner_texts()[:2], ["–", "11 published"])
 
     def test_rows_without_a_result_are_greyed_with_their_reason(self):
-        page = self.open(self.file)
+        page = self.shared(self.file)
         text = page.locator("#unmeasured").inner_text()
         self.assertIn("failed: receiver 17 has the radiance nan", text)
         self.assertIn("skipped: cannot shade an environment", text)
         self.assertEqual(page.locator("#unmeasured table.grey tbody tr").count(), 2)
 
     def test_downloads(self):
-        page = self.open(self.file)
+        page = self.shared(self.file)
         with page.expect_download() as waiting:
             page.locator("#download-json").click()
         self.assertEqual(open(waiting.value.path(), "rb").read(), (self.folder / "results.json").read_bytes())
@@ -263,15 +269,24 @@ class Page(BrowserCase):
         self.assertAlmostEqual(rows["rungs.truth.rel_rmse"][0], first["errors"]["truth"]["rel_rmse"])
 
     def test_accessible(self):
+        """All parts of a page, changes and history too, of few rows."""
+        made = made_results.Made()
+        made.scene("bunny-city", 9, 32, 3)
+        made.row("bunny-city", "wavelet", "simd", {"terms": 7}, None, None, status="failed: receiver 17 has the radiance nan")
+        folder = made.write(self.folder / "accessible")
+        rows = [{"name": row["name"], "regressed": row is made.lists["rows"][0], "time": {"verdict": "slower", "base_ms": 1.0, "new_ms": 1.2, "ratio": 1.2},
+                 "error": {"verdict": "worse", "rung": "truth", "base": 0.01, "new": 0.02, "factor": 2.0}} for row in made.lists["rows"][:3]]
+        comparison = write_json(folder / "comparison.json", {"exit_code": 1, "verdict": "REGRESSION", "notes": ["a note"], "rows": rows})
+        results = folder / "results.json"
+        self.assertEqual(run_report(folder, "--base", results, "--comparison", comparison, "--history", results).returncode, 0)
         for scheme in ("light", "dark"):
-            page = self.open(self.file, color_scheme=scheme)
-            for selector in ("#scene-0 .plot", "[data-figure=scaling] .plot", "[data-figure=memory] .plot"):
+            page = self.open(folder / "report.html", "#picked=0", color_scheme=scheme)
+            for selector in ("#scene-0 .plot", "[data-figure=scaling] .plot", "[data-figure=memory] .plot", "[data-figure=history] .plot"):
                 self.drawn(page, selector)
             page.locator("#viewer").scroll_into_view_if_needed()
-            page.wait_for_selector(".panel[data-mean]", timeout=20000)
-            for details in page.locator("details").all():
+            page.wait_for_selector(".panel[data-mean]")
+            for details in page.locator("details:not(.filter)").all():
                 details.evaluate("(d) => d.open = true")
-            page.locator("#technique-filter, #backend-filter").evaluate_all("(all) => all.forEach((d) => d.open = false)")
             page.wait_for_timeout(300)
             found = Axe().run(page, options={} if scheme == "light" else {"runOnly": ["color-contrast"]})
             self.assertEqual(found.violations_count, 0, found.generate_report())

@@ -9,18 +9,18 @@ function barRows(scene, has) {
   return {rows: rows.map((k) => data.rows[k]), shown: rows.slice(0, MOST_BARS).map((k) => data.rows[k])};
 }
 
-/// Horizontal bars, one line a row; `series`: [name, value of a row].
-function bars(parent, label, {rows, shown}, series, title, mode, unit) {
+/// Horizontal bars, one line a row; `series`: [name, value of a row]; as shares of `whole`, if it is given.
+function bars(parent, label, {rows, shown}, series, title, mode, unit, whole = null) {
   if (!rows.length) return void parent.append(el("p", {class: "how"}, `No row of this scene tells ${label.toLowerCase()}.`));
   if (rows.length > shown.length) parent.append(el("p", {class: "how"}, `${shown.length} of ${rows.length} rows: those of the frontier first, then the fastest. The table has all.`));
   const place = figureBox(parent, label, ["row", ...series.map(([name]) => `${name}, ${unit}`)], rows.map((row) => [row.label, ...series.map(([, value]) => value(row))]));
-  const lines = [...shown].reverse(), y = lines.map((_, k) => k);
-  const traces = series.map(([name, value], n) => ({type: "bar", orientation: "h", name: plotText(name), y, x: lines.map((row) => value(row) ?? 0),
-    marker: {color: palette[n % palette.length], pattern: {shape: ["", "/", ".", "x", "\\", "-", "+", "|"][n % 8], fillmode: "overlay", fgcolor: "#ffffff", fgopacity: 0.55, solidity: 0.25, size: 7}}}));
+  const y = shown.map((_, k) => k);
+  const traces = series.map(([name, value], n) => ({type: "bar", orientation: "h", name: plotText(name), y, x: shown.map((row) => (value(row) ?? 0) / (whole ? whole(row) / 100 : 1)),
+    marker: {color: palette[n % palette.length], pattern: {shape: ["", "/", ".", "x", "\\", "-", "+", "|"][(n + 3 * Math.floor(n / 8)) % 8], fillmode: "overlay", fgcolor: "#ffffff", fgopacity: 0.55, solidity: 0.25, size: 7}}}));
   const per = mode === "group" ? Math.max(24, 9 * series.length + 10) : 24;
-  return draw(place, traces, layout({barmode: mode, bargap: 0.25, height: 110 + per * lines.length, margin: {l: 10, r: 16, t: 8, b: 40}, showlegend: series.length > 1,
+  return draw(place, traces, layout({barmode: mode, bargap: 0.25, height: 110 + per * shown.length, margin: {l: 10, r: 16, t: 8, b: 40}, showlegend: series.length > 1,
     legend: {orientation: "h", y: 1.01, yanchor: "bottom", x: 0, traceorder: "normal"},
-    xaxis: axis(title, {rangemode: "tozero"}), yaxis: axis("", {tickvals: y, ticktext: lines.map((row) => plotText(shortLabel(row.label))), range: [-0.6, lines.length - 0.4]})}));
+    xaxis: axis(title, {rangemode: "tozero"}), yaxis: axis("", {tickvals: y, ticktext: shown.map((row) => plotText(shortLabel(row.label) + (whole ? `, ${msText(whole(row))}` : ""))), range: [shown.length - 0.4, -0.6]})}));
 }
 
 function partsBars(parent, scene) {
@@ -41,7 +41,7 @@ function partsBars(parent, scene) {
 function stageBars(parent, scene) {
   const of = (row) => (row.stages.length ? row.stages : [["update", row.update], ["shade", row.shade]]);
   const names = [...new Set(scene.rows.flatMap((k) => of(data.rows[k]).map(([name]) => name)))];
-  bars(parent, "Stages of a frame", barRows(scene, (row) => row.frame !== null), names.map((name) => [name, (row) => of(row).find(([n]) => n === name)?.[1] ?? null]), "ms of a frame", "stack", "ms");
+  bars(parent, "Stages of a frame", barRows(scene, (row) => row.frame !== null), names.map((name) => [name, (row) => of(row).find(([n]) => n === name)?.[1] ?? null]), "share of the frame, %", "stack", "ms", (row) => row.frame);
 }
 
 function memoryDots(parent, scene) {
@@ -49,24 +49,41 @@ function memoryDots(parent, scene) {
   if (!rows.length) return void parent.append(el("p", {class: "how"}, "No row of this scene tells its memory."));
   const parts = [...new Set(rows.flatMap((row) => Object.keys(row.footprint)))];
   const place = figureBox(parent, "Memory", ["row", "MB", ...parts.map((name) => `${name}, MB`)], rows.map((row) => [row.label, row.bytes / 1e6, ...parts.map((name) => (row.footprint[name] ?? 0) / 1e6)]));
-  const lines = [...shown].reverse(), y = lines.map((_, k) => k);
+  const lines = shown, y = lines.map((_, k) => k);
   draw(place, [{type: "scatter", mode: "markers", x: lines.map((row) => Math.max(row.bytes, 1) / 1e6), y, marker: {size: 9, color: lines.map((row) => colourOf(row.technique)), symbol: lines.map((row) => markerOf(row.technique, row.backend))}}],
-    layout({height: 80 + 22 * lines.length, showlegend: false, margin: {l: 10, r: 16, t: 8, b: 40}, xaxis: logAxis("MB", {range: logRange(lines.map((row) => Math.max(row.bytes, 1) / 1e6))}), yaxis: axis("", {tickvals: y, ticktext: lines.map((row) => plotText(shortLabel(row.label))), range: [-0.6, lines.length - 0.4]})}));
+    layout({height: 80 + 22 * lines.length, showlegend: false, margin: {l: 10, r: 16, t: 8, b: 40}, xaxis: logAxis("MB", {range: logRange(lines.map((row) => Math.max(row.bytes, 1) / 1e6))}), yaxis: axis("", {tickvals: y, ticktext: lines.map((row) => plotText(shortLabel(row.label))), range: [lines.length - 0.4, -0.6]})}));
+}
+
+/// What each technique's lower envelope takes for an error, and reaches in a time; nothing is told beyond what was measured.
+function equalTable(parent, scene) {
+  const families = scene.families.filter((f) => f.time_at_error?.length || f.error_at_time?.length);
+  if (!families.length) return void parent.append(el("p", {class: "how"}, "No technique of this scene has a curve."));
+  const errors = families[0].time_at_error ?? [], times = families[0].error_at_time ?? [];
+  const heads = ["technique", ...errors.map((e) => `ms at ${percentText(e.error)}`), ...times.map((t) => `% in ${msText(t.ms)}`)];
+  const bounded = (value, bound) => (value == null || !bound ? value ?? null : `${{"at most": "≤ ", "at least": "≥ "}[bound] ?? "~ "}${digits(value)}`);
+  const lines = families.map((f) => ({cells: [`${f.technique} ${f.backend}`, ...errors.map((_, k) => bounded(f.time_at_error?.[k]?.ms, f.time_at_error?.[k]?.bound)),
+    ...times.map((_, k) => bounded(f.error_at_time?.[k]?.error == null ? null : 100 * f.error_at_time[k].error, f.error_at_time?.[k]?.bound))]}));
+  const node = table(heads, lines, {caption: "Time at equal error, error at equal time"});
+  families.forEach((f, row) => [...f.time_at_error ?? [], ...f.error_at_time ?? []].forEach((e, k) => { if (e.refused) node.tBodies[0].rows[row].cells[k + 1].title = e.refused; }));
+  parent.append(el("p", {class: "how"}, "Between neighbours of a technique's lower envelope, in logarithms. A – lies outside of what was measured; pointing at it says why. ≤, ≥ and ~ rest on errors within the reference's noise."),
+    el("div", {class: "scroll", tabindex: 0, role: "region", "aria-label": "Time at equal error, error at equal time"}, node));
 }
 
 const slopeText = (s) => (s.slope == null ? `no slope: ${s.refused ?? "not told"}` : `${digits(s.slope)}${s.low == null ? "" : ` (${digits(s.low)} to ${digits(s.high)})`}`);
 function scalingPlot(parent, name, all) {
   const place = figureBox(parent, `Time over ${name}`, ["technique", "held", name, "ms", "slope (95 %)"],
     all.flatMap((s) => s.points.map(([x, ms]) => [`${s.technique} ${s.backend}`, s.fixed ?? "", x, ms, slopeText(s)])));
+  const before = {};  // lines of one technique differ by their dashes
   const traces = all.map((s) => {
-    const points = [...s.points].sort((a, b) => a[0] - b[0]);
-    return {type: "scatter", mode: "lines+markers", name: plotText(`${s.technique} ${s.backend}${s.slope == null ? "" : `: slope ${slopeText(s)}`}`.slice(0, 90)), x: points.map((p) => p[0]), y: points.map((p) => p[1]),
-      marker: {size: 8, color: colourOf(s.technique), symbol: markerOf(s.technique, s.backend)}, line: {color: colourOf(s.technique), width: 1.5, dash: {scalar: "dash", cuda: "dot"}[s.backend] ?? "solid"}};
+    const points = [...s.points].sort((a, b) => a[0] - b[0]), nth = before[s.technique] = (before[s.technique] ?? -1) + 1;
+    const slope = s.slope == null ? "" : `slope ${slopeText(s)}, `, text = `${s.technique} ${s.backend}: ${slope}${s.fixed ?? ""}`, most = isNarrow() ? 42 : 74;
+    return {type: "scatter", mode: "lines+markers", name: plotText(text.length > most ? text.slice(0, most - 1) + "…" : text), x: points.map((p) => p[0]), y: points.map((p) => p[1]),
+      marker: {size: 8, color: colourOf(s.technique), symbol: markerOf(s.technique, s.backend)}, line: {color: colourOf(s.technique), width: 1.5, dash: ["solid", "dash", "dot", "dashdot", "longdash"][nth % 5]}};
   });
   const xs = all.flatMap((s) => s.points.map((p) => p[0]));
   const ticks = [...new Set(xs)].sort((a, b) => a - b);
   const shown = ticks.length <= 8 ? {tickvals: ticks, ticktext: ticks.map((x) => digits(x))} : {};
-  draw(place, traces, layout({height: 330 + 22 * Math.min(10, traces.length), showlegend: true, legend: {orientation: "v", y: -0.25, yanchor: "top", x: 0},
+  draw(place, traces, layout({height: 330 + 19 * traces.length, showlegend: true, legend: {orientation: "v", y: -0.25, yanchor: "top", x: 0},
     xaxis: logAxis(plotText(name), {range: logRange(xs), ...shown}), yaxis: logAxis("ms a frame", {range: logRange(all.flatMap((s) => s.points.map((p) => p[1])))})}));
 }
 
@@ -90,7 +107,7 @@ function scalingPlots(parent, scene) {
 }
 
 function setUpFigures() {
-  const draws = {scaling: scalingPlots, parts: partsBars, stages: stageBars, memory: memoryDots};
+  const draws = {equal: equalTable, scaling: scalingPlots, parts: partsBars, stages: stageBars, memory: memoryDots};
   const show = (box) => {
     box.replaceChildren();
     draws[box.dataset.figure](box, data.scenes[$("#figure-scene").value || 0]);

@@ -9,11 +9,12 @@ const percentOf = (row, rung) => (row.rungs[rung]?.rel_rmse == null ? null : 100
 const cellText = (value) => (typeof value !== "number" ? value ?? "–" : Number.isInteger(value) ? String(value) : digits(value));
 
 function table(heads, lines, options = {}) {
-  const head = el("tr", {}, ...heads.map((text) => el("th", {scope: "col"}, text)));
+  const numeric = heads.map((_, k) => lines.some((line) => typeof line.cells[k] === "number"));
+  const head = el("tr", {}, ...heads.map((text, k) => el("th", {scope: "col", class: numeric[k] ? "number" : ""}, text)));
   const body = el("tbody");
   for (const line of lines)
     body.append(el("tr", {class: line.className ?? ""}, ...line.cells.map((value, k) =>
-      el(k ? "td" : "th", {class: typeof value === "number" ? "number" : "", "data-value": typeof value === "number" ? value : null, scope: k ? null : "row"}, cellText(value)))));
+      el(k ? "td" : "th", {class: numeric[k] && (typeof value === "number" || value == null) ? "number" : "", "data-value": typeof value === "number" ? value : null, scope: k ? null : "row"}, cellText(value)))));
   const node = el("table", {class: "rows"}, el("caption", {class: "hidden"}, options.caption ?? ""), el("thead", {}, head), body);
   sortable(node);
   return node;
@@ -73,7 +74,7 @@ function flat(value, name, out) {
   return out;
 }
 function csvOf(rows) {
-  const hidden = new Set(["image", "missing", "label", "truth", "regions"]);
+  const hidden = new Set(["image", "missing", "label", "truth", "regions", "told"]);
   const lines = rows.map((row) => flat(Object.fromEntries(Object.entries(row).filter(([key]) => !hidden.has(key))), "", {}));
   const names = [...new Set(lines.flatMap((line) => Object.keys(line)))];
   return [names, ...lines.map((line) => names.map((name) => line[name]))].map((cells) => cells.map(csvCell).join(",") + "\r\n").join("");
