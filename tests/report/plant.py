@@ -31,6 +31,7 @@ FAULTS = [
     ("too wide for a phone", "css/parts.css", ".scroll { overflow-x: auto;", ".scroll { min-width: 700px;", "test_page.Page.test_phone"),
     ("grey on grey", "css/page.css", "--soft: #55606e;", "--soft: #b5bcc4;", "test_page.Page.test_accessible"),
     ("a field without a name", "templates/answer.html", "<label>memory <select", "<label></label><select", "test_page.Page.test_accessible"),
+    ("images without a time are not said", "js/answer.js", "untimed(scene).slice(0, 4)", "[]", "test_page.Page.test_an_image_without_a_time_is_compared"),
     ("flip does not turn", "js/viewer.js", "viewer.turned = !viewer.turned;", "", "test_page.Page.test_viewer"),
     ("a channel is lost", "js/codec.js", "rgb[3 * i + 2] = value(green[i] + blue[i]);", "rgb[3 * i + 2] = value(green[i]);", "test_pixels.Pixels.test_pixels_arrive"),
     ("another corner", "js/codec.js", "plane[i - w - 1]", "plane[i - w + 1]", "test_pixels.Pixels.test_pixels_arrive"),

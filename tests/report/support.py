@@ -37,7 +37,7 @@ def small_run(seed: int = 1) -> made_results.Made:
     made.scene("lamp", 12, 48, 4, moves=True)
     made.row("lamp", "wavelet", "simd", {"terms": 7}, None, None, status="failed: receiver 17 has the radiance nan")
     made.row("lamp", "pcss", "simd", {"samples": 7}, None, None, status="skipped: cannot shade an environment")
-    made.row("lamp", "other-renderer", "external", {}, None, 0.03)
+    made.row("lamp", "other-renderer", "external", {}, None, 0.03, image=48)
     return made
 
 

@@ -3,6 +3,9 @@ const faster = (a, b) => costOf(a) + a.spread + b.spread < costOf(b);
 const nearer = (a, b) => Math.max(a.error, a.floor) < Math.max(b.error, a.floor);
 const counts = (row) => row.status === "ok" && row.frame !== null && row.error !== null;
 
+/// Images of other renderers, of which no time is known.
+const untimed = (scene) => scene.rows.map((k) => data.rows[k]).filter((row) => row.status === "ok" && row.frame === null && row.error !== null);
+
 /// ms that a frame of a row counts: if the mesh moves, a scene at rest pays for its preparation, too.
 const costOf = (row) => row.frame + (state.moves && !row.moves ? row.prepare ?? 0 : 0);
 

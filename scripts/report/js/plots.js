@@ -64,8 +64,12 @@ function scenePlot(scene) {
   if (points.length)
     traces.push({type: "scatter", mode: "markers", name: "published time", x: points.map((p) => p.ms), y: points.map((p) => 100 * leastError(data.rows[p.row])),
       marker: {symbol: "asterisk-open", size: 10, color: paint("--soft"), line: {width: 1.4, color: paint("--soft")}}});
-  const xs = logRange([...rows.map(costOf), ...points.map((p) => p.ms)], 0.05), ys = logRange(rows.map((r) => 100 * leastError(r)), 0.08);
+  const xs = logRange([...rows.map(costOf), ...points.map((p) => p.ms)], 0.05), images = untimed(scene).slice(0, 6), ys = logRange([...rows, ...images].map((r) => 100 * leastError(r)), 0.08);
   const shapes = [], annotations = [];
+  for (const image of images) {
+    shapes.push({type: "line", xref: "paper", x0: 0, x1: 1, y0: 100 * leastError(image), y1: 100 * leastError(image), line: {color: paint("--soft"), width: 1.2, dash: "dashdot"}, layer: "below"});
+    annotations.push({xref: "paper", x: 0, xanchor: "left", y: Math.log10(100 * leastError(image)), yanchor: "bottom", text: `${plotText(shortLabel(image.label))}: no time`, showarrow: false, font: {size: 11, color: paint("--soft")}});
+  }
   if (scene.floor) {
     ys[0] = Math.min(ys[0], Math.log10(100 * scene.floor) - 0.15);
     shapes.push({type: "rect", xref: "paper", x0: 0, x1: 1, y0: 10 ** (ys[0] - 3), y1: 100 * scene.floor, fillcolor: paint("--band"), line: {width: 0}, layer: "below"});

@@ -11,7 +11,12 @@ class ScenePlot {
     this.place.setAttribute("aria-label", `Time against error of ${this.scene.title}: arrow keys walk through the rows, Enter picks one; all are in the table below`);
     this.marks = {};
     this.at = -1;
-    whenNear(article, () => this.draw());
+    const images = untimed(this.scene);
+    if (images.length)
+      $("details.data", article).before(el("ul", {class: "untimed"}, ...images.map((row) => el("li", {}, `${row.label}, without a time: error ${percentText(row.error)} `,
+        row.image === null ? row.missing : el("button", {type: "button", onclick: () => viewRows(null, row)}, "beside the truth")))));
+    if (this.scene.rows.some((k) => counts(data.rows[k]))) whenNear(article, () => this.draw());
+    else this.place.replaceChildren(el("p", {class: "how"}, "No row of this scene has a time and an error.")), this.place.classList.add("none-to-draw"), this.place.tabIndex = -1;
   }
 
   async draw() {
