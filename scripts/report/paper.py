@@ -16,7 +16,7 @@ from load import Run, listing, mapping
 from rows import page_rows, shortened
 
 SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
-           "|": r"\textbar{}", '"': r"\textquotedbl{}", **{c: "\\" + c for c in "&%$#_{}"}}
+           "|": r"\textbar{}", '"': "''", **{c: "\\" + c for c in "&%$#_{}"}}
 
 
 def tex(text) -> str:
@@ -92,7 +92,7 @@ def published_table(table: dict, citations: Citations) -> str:
     lines = []
     for line in table["lines"]:
         cells = {("", tex(name)): tex(value) for name, value in zip(table["down"], line["head"])}
-        cells["", "here"] = tex(line["variant"] or "–")
+        cells["", "measured here"] = tex(line["variant"] or "–")
         for column, cell in zip(table["columns"], line["cells"]):
             head = tex(f"{column} {table['across']}" if table["across"] == "spheres" else column or "figure")
             for name in ("published", "here", "ratio"):

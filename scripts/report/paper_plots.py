@@ -67,7 +67,9 @@ def time_against_error(scene: dict, rows: list[dict], points: list[dict], techni
 
 def scaling(entries: list[dict], name: str, techniques: list[str], path: pathlib.Path) -> None:
     figure, axes = pyplot.subplots(figsize=(4.2, 3))
+    before: dict[str, int] = {}  # lines of one technique differ by their dashes
     for entry in entries:
+        nth = before[entry["technique"]] = before.get(entry["technique"], -1) + 1
         points = sorted((x, ms) for x, ms in entry["points"] if x > 0 and ms > 0)
         slope = entry.get("slope")
         label = f"{entry['technique']} {entry['backend']} ({entry.get('fixed') or ''})"[:90]
@@ -75,7 +77,7 @@ def scaling(entries: list[dict], name: str, techniques: list[str], path: pathlib
             label += f": {slope:.2f}" + (f" ({entry['low']:.2f} to {entry['high']:.2f})" if entry.get("low") is not None else "")
         known = techniques if entry["technique"] in techniques else [*techniques, entry["technique"]]
         axes.plot([x for x, _ in points], [ms for _, ms in points], markersize=4, linewidth=1, label=label,
-                  **style(known, entry["technique"], entry["backend"]))
+                  linestyle=["-", "--", ":", "-.", (0, (6, 1))][nth % 5], **style(known, entry["technique"], entry["backend"]))
     logarithmic(axes)
     axes.set(xlabel=name[:60], ylabel="ms a frame")
     axes.legend(fontsize=6, loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False)

@@ -1,7 +1,7 @@
 """A picture of a run's page, as the README shows it; Debian's chromium takes it.
 
     build/release/penumbra report results/runs/latest && .venv/bin/python scripts/report/screenshot.py results/runs/latest
-        [--out docs/report.png] [--part "#scene-0"] [--address "error=0.03"] [--width 1200] [--height 760] [--dark]
+        [--out docs/report.png] [--part "#scene-0"] [--address "picked=4-1"] [--width 1200] [--height 990] [--dark]
 """
 
 import argparse
@@ -18,10 +18,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", help="a folder with a report.html")
     parser.add_argument("--out", default=ROOT / "docs" / "report.png")
-    parser.add_argument("--part", default="#controls", help="what stands on top, as a CSS selector")
-    parser.add_argument("--address", default="", help="what is chosen, as it stands behind the # of the page's address")
+    parser.add_argument("--part", default="#scene-0", help="what stands on top, as a CSS selector")
+    parser.add_argument("--address", default="picked=4-1", help="what is chosen, as it stands behind the # of the page's address")
     parser.add_argument("--width", type=int, default=1200)
-    parser.add_argument("--height", type=int, default=760)
+    parser.add_argument("--height", type=int, default=990)
     parser.add_argument("--dark", action="store_true")
     options = parser.parse_args()
     file = (pathlib.Path(options.run) / "report.html").resolve()
@@ -36,7 +36,7 @@ def main() -> None:
             page.wait_for_timeout(1200)
         picture = Image.open(io.BytesIO(page.screenshot()))
         browser.close()
-    picture.convert("RGB").quantize(128).save(options.out, optimize=True)
+    picture.convert("RGB").save(options.out, optimize=True)
     print(options.out)
 
 

@@ -121,7 +121,7 @@ class Inputs(BrowserCase):
         folder = made.write(self.fresh("empty"))
         write_json(folder / "figures.json", {"format_version": 1})
         self.assertEqual(run_report(folder, "--paper", folder / "paper").returncode, 0)
-        self.open(folder / "report.html")
+        self.assertIn("This run has no row", self.open(folder / "report.html").locator("#answer").inner_text())
         made = small_run()
         made.write(folder)
         write_json(folder / "figures.json", {"format_version": 1, "scenes": None, "limits": "x", "published": 7})

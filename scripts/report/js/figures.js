@@ -110,7 +110,7 @@ function setUpFigures() {
   const draws = {equal: equalTable, scaling: scalingPlots, parts: partsBars, stages: stageBars, memory: memoryDots};
   const show = (box) => {
     box.replaceChildren();
-    draws[box.dataset.figure](box, data.scenes[$("#figure-scene").value || 0]);
+    if (data.scenes.length) draws[box.dataset.figure](box, data.scenes[$("#figure-scene").value || 0]);
   };
   const boxes = $$("#figures .plots");
   for (const box of boxes) whenNear(box.parentElement, () => { box.near = true; show(box); });

@@ -1,7 +1,7 @@
 // Medians over the runs of one machine.
 function setUpHistory() {
   const past = data.history;
-  if (!past) return () => {};
+  if (!past || !data.scenes.length) return () => {};
   const box = $("#history .plots");
   const show = () => {
     box.replaceChildren();
