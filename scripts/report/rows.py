@@ -31,13 +31,15 @@ def labels(rows: list[dict]) -> list[str]:
     """What tells rows of one scene apart: technique, parameters, and whatever else differs."""
     texts = [shortened(" ".join([row["technique"]] + [f"{k}={value_text(v)}" for k, v in told(row).items()]), 160)
              for row in rows]
+    threads: dict[tuple, set] = {}
+    for row in rows:
+        threads.setdefault((row["technique"], row["backend"]), set()).add(row.get("threads"))
     sphere_counts = {spheres_text(row) for row in rows} - {""}
     for k, row in enumerate(rows):
         texts[k] += f" · {shortened(row['backend'], 40)}"
         if len(sphere_counts) > 1 and spheres_text(row):
             texts[k] += f" · {spheres_text(row)} spheres"
-        if len({other.get("threads") for other in rows
-                if (other["technique"], other["backend"]) == (row["technique"], row["backend"])}) > 1:
+        if len(threads[row["technique"], row["backend"]]) > 1:
             texts[k] += f" · {row.get('threads')} threads"
     return texts
 

@@ -202,10 +202,9 @@ def figures(rows: list[dict]) -> dict:
                            "lines": lines}] if rows else []}
 
 
-def large(rows: int, images: int) -> Made:
-    """Ten scenes; a tenth of the images is 256 x 256, all others 128 x 128."""
+def large(rows: int, images: int, scenes: int = 10) -> Made:
+    """The images of the first scene are 256 x 256, all others 128 x 128."""
     made = Made()
-    scenes = 10
     for k in range(scenes):
         of_scene = max(1, images // scenes - 1)  # and its truth
         made.scene(f"scene-{k}", rows // scenes, 256 if k == 0 else 128, of_scene, moves=k == 1)

@@ -79,10 +79,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rows", type=int, default=1000)
     parser.add_argument("--images", type=int, default=200)
+    parser.add_argument("--scenes", type=int, default=10, help="among which rows and images are divided")
     parser.add_argument("--results", help="a folder with results.json and figures.json, instead of a made-up one")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="penumbra-measure-") as name:
-        folder = pathlib.Path(options.results or made_results.large(options.rows, options.images).write(pathlib.Path(name) / "run"))
+        folder = pathlib.Path(options.results or made_results.large(options.rows, options.images, options.scenes).write(pathlib.Path(name) / "run"))
         start = time.monotonic()
         done = run_report(folder)
         measured = {"made in, s": time.monotonic() - start}

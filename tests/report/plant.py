@@ -24,7 +24,7 @@ FAULTS = [
     ("filters are not told to plots", "js/main.js", 'if (what === "filter" || what === "all") plots', 'if (what === "all") plots', "test_page.Page.test_filters"),
     ("preparation is free", "js/choice.js", "row.prepare ?? 0 : 0", "0 : 0", "test_page.Page.test_a_moving_mesh_pays_for_preparation"),
     ("points lie elsewhere", "js/pointer.js", "xaxis._offset + xaxis.d2p", "xaxis.d2p", "test_page.Page.test_pointing_shows_the_picture_and_two_picks_stand_side_by_side"),
-    ("a pick is forgotten by the address", "js/state.js", 'if (state.picks.length) q.set("picked", state.picks.join("-"));', "", "test_page.Page.test_selection_lives_in_the_address"),
+    ("a pick is forgotten by the address", "js/state.js", 'if (state.picks.length) q.set("picked", state.picks.join("-"));', "", "test_page.Page.test_pointing_shows_the_picture_and_two_picks_stand_side_by_side"),
     ("any address is believed", "js/state.js", "Number(x) < data.rows.length", "true", "test_page.Page.test_selection_lives_in_the_address"),
     ("texts are sorted as numbers", "js/tables.js", "return down ? -order : order;", "return order;", "test_page.Page.test_tables_sort"),
     ("skipped rows are left out", "page.py", 'if row["status"] != "ok"]', 'if row["status"].startswith("failed")]', "test_page.Page.test_rows_without_a_result_are_greyed_with_their_reason"),

@@ -16,7 +16,7 @@ function setUpHistory() {
       error_y: {type: "data", array: past.series[k].map(([, , spread]) => spread), thickness: 1}, line: {color: palette[n % palette.length], dash: n < palette.length ? "solid" : "dash"},
       marker: {size: 8, color: palette[n % palette.length], symbol: markers[n % markers.length]}}));
     draw(place, traces, layout({height: 420 + 18 * shown.length, legend: {orientation: "v", y: -0.3, yanchor: "top", x: 0}, showlegend: true,
-      xaxis: axis("", {tickvals: past.runs.map((_, k) => k), ticktext: past.runs.map((run) => `${run.date.slice(0, 10)}<br>${plotText(run.commit.slice(0, 7))}`), range: [-0.4, past.runs.length - 0.6]}), yaxis: logAxis("ms a frame")}));
+      xaxis: axis("", {tickvals: past.runs.map((_, k) => k), ticktext: past.runs.map((run) => `${run.date.slice(0, 10)}<br>${plotText(run.commit.slice(0, 7))}`), range: [-0.4, past.runs.length - 0.6]}), yaxis: logAxis("ms a frame", {range: logRange(shown.flatMap((k) => past.series[k].map(([, ms]) => ms)))})}));
   };
   $("#history-scene").addEventListener("change", show);
   $("#history-controls").addEventListener("submit", (event) => event.preventDefault());
