@@ -1,6 +1,7 @@
 """What a person does with the page, in a browser."""
 
 import json
+import pathlib
 import unittest
 
 from axe_playwright_python.sync_playwright import Axe
@@ -269,7 +270,7 @@ class Page(BrowserCase):
         page = self.shared(self.file)
         with page.expect_download() as waiting:
             page.locator("#download-json").click()
-        self.assertEqual(open(waiting.value.path(), "rb").read(), (self.folder / "results.json").read_bytes())
+        self.assertEqual(pathlib.Path(waiting.value.path()).read_bytes(), (self.folder / "results.json").read_bytes())
         with page.expect_download() as waiting:
             page.locator("#download-csv").click()
         import pandas
