@@ -63,7 +63,7 @@ def gate(folder, base, new, technique="", backend=""):
     for path, counted in zip(paths, (base, new)):
         counts.write(path, chosen(counted), "a trial")
     done = subprocess.run([sys.executable, counts.__file__, "--baseline", paths[0], "--counts", paths[1],
-                           "--fail-lines", "1000", "--fail-d1", "1000"], env={"COLUMNS": "80"},
+                           "--fail-lines", "1000", "--fail-touched", "1000", "--fail-d1", "1000"], env={"COLUMNS": "80"},
                           capture_output=True, text=True)
     return done.returncode, (done.stdout or done.stderr).splitlines()[0].strip()
 

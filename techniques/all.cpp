@@ -15,7 +15,10 @@
   USE(hqepcss)                   \
   USE(fast_pcss)                 \
   USE(pcss_rotated)              \
-  USE(moment_shadows)
+  USE(moment_shadows)            \
+  USE(shadow_map_traced)         \
+  USE(visibility_filter)         \
+  USE(chen_2016)
 
 namespace penumbra {
 

@@ -11,6 +11,7 @@ namespace penumbra {
 void add_choose(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
 void add_compare(CLI::App& app, int& exit_code);
+void add_report(CLI::App& app, int& exit_code);
 void add_serve_rows(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_reference(CLI::App& app, int& exit_code);

@@ -94,7 +94,7 @@ std::string first_screen(const CLI::App& app) {
     if (std::any_of(commands.begin(), commands.end(), [&](const auto* c) { return c->get_name() == b.command; }))
       text += fmt::format("  {}\n      {}\n", b.line, wrapped(b.does, width, 6, 6));
   text += "\ncommands\n";
-  for (const CLI::App* command : commands) text += labelled(command->get_name(), command->get_description(), 14, width);
+  for (const CLI::App* command : commands) text += labelled(command->get_name(), command->get_description(), 15, width);
   const char* more = "penumbra COMMAND --help: its options. penumbra --version: build, processor, CUDA.";
   return text + "\n" + wrapped(more, width) + "\n";
 }

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   add_choose(app, exit_code);
   add_run(app, exit_code);
   add_compare(app, exit_code);
+  add_report(app, exit_code);
   add_serve_rows(app, exit_code);
   add_render(app, exit_code);
   add_reference(app, exit_code);

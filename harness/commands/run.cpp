@@ -168,6 +168,8 @@ int run_suite(const Suite& suite, const Registry& registry, const RunOptions& op
   const std::map<std::string, std::string> keys = check_scenes(plan);
   nlohmann::json context = machine_context(registry);
   context["suite"] = suite.name;
+  if (!suite.published.empty()) context["published"] = suite.published;
+  if (!suite.published_times.empty()) context["published_times"] = to_json(suite.published_times);
   ResultsFolder folder(options.directory);
   warn_of_threads(plan);
   warn_of_load(context);  // of now: rows that are kept may bring the mark of an earlier load

@@ -161,8 +161,7 @@ Interval student_interval(const std::vector<double>& values, double level) {
   constexpr double all = std::numeric_limits<double>::infinity();
   if (values.size() < 2) return {-all, all};
   const double mean = mean_of(values);
-  const boost::math::students_t student(double(values.size() - 1));
-  const double reach = boost::math::quantile(complement(student, 0.5 * (1.0 - level))) * standard_error(values, mean);
+  const double reach = student_quantile(level, double(values.size() - 1)) * standard_error(values, mean);
   return {mean - reach, mean + reach};
 }
 

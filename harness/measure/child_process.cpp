@@ -149,6 +149,14 @@ std::string one_line(std::string_view text) {
 
 }  // namespace
 
+std::string shell_word(const std::string& word) {
+  const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
 std::string CommandEnd::fault() const {
   const std::string words = last_words.empty() ? "" : ": " + last_words;
   if (timed_out) return fmt::format("did not end within {:.3g} s{}", 1e-3 * ms, words);

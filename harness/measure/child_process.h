@@ -8,6 +8,9 @@
 
 namespace penumbra {
 
+/// A word of /bin/sh, in quotes where it needs them.
+std::string shell_word(const std::string& word);
+
 /// How a command ended.
 struct CommandEnd {
   int status = 0;          ///< as waitpid() tells it

@@ -5,19 +5,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "harness/measure/child_process.h"
 #include "harness/results/row.h"
 #include "scenes/storage/content_key.h"
 
 namespace penumbra {
 namespace {
-
-std::string quoted(const std::string& path) {
-  const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+";
-  if (path.find_first_not_of(plain) == std::string::npos) return path;
-  std::string text = "'";
-  for (const char c : path) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
 
 void replace_all(std::string& text, const std::string& what, const std::string& by) {
   for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
@@ -55,8 +48,8 @@ std::string external_key(const External& external, const std::string& key) {
 
 std::string command_for(const External& external, const std::string& scene_folder, const std::string& image_file) {
   std::string command = external.command;
-  replace_all(command, "{scene}", quoted(scene_folder));
-  replace_all(command, "{out}", quoted(image_file));
+  replace_all(command, "{scene}", shell_word(scene_folder));
+  replace_all(command, "{out}", shell_word(image_file));
   return command;
 }
 

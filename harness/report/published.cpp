@@ -34,7 +34,9 @@ CsvFile load_published_csv(const std::string& name) {
   for (std::string line; std::getline(in, line);) {
     ++number;
     if (line.starts_with("#")) {
-      if (file.title.empty()) file.title = line.substr(2);
+      const std::string comment = line.substr(std::min(line.size(), std::size_t(2)));
+      if (file.title.empty()) file.title = comment;
+      else file.notes.push_back(comment);
       continue;
     }
     const std::vector<std::string> cells = cells_of(line);
@@ -87,15 +89,32 @@ std::string value_of(const RowIdentity& id, const std::string& key) {
 
 }  // namespace
 
+bool PublishedTable::Line::is_like(const Row& row) const {
+  return std::all_of(keys.begin(), keys.end(),
+                     [&](const auto& key) { return key.second.empty() || value_of(row.id, key.first) == key.second; });
+}
+
 std::map<std::string, double> PublishedTable::lookup(const Row& row) const {
   std::map<std::string, double> found;
-  for (const Line& line : lines_) {
-    const bool same = std::all_of(line.keys.begin(), line.keys.end(), [&](const auto& key) {
-      return key.second.empty() || value_of(row.id, key.first) == key.second;
-    });
-    if (same) found[line.device] = line.fps;
-  }
+  for (const Line& line : lines_)
+    if (line.is_like(row)) found[line.device] = line.fps;
   return found;
+}
+
+std::vector<PublishedFigure> PublishedTable::beside(const std::vector<Row>& rows) const {
+  std::vector<PublishedFigure> figures;
+  figures.reserve(lines_.size());
+  for (const Line& line : lines_) {
+    PublishedFigure figure{line.keys, line.device, "fps", line.fps, nullptr};
+    const std::size_t before = figures.size();
+    for (const Row& row : rows) {
+      if (!row.ok() || !row.timing.timed() || !line.is_like(row)) continue;
+      figure.row = &row, figure.here = 1e3 / row.timing.median_frame_ms();
+      figures.push_back(figure);
+    }
+    if (figures.size() == before) figures.push_back(figure);
+  }
+  return figures;
 }
 
 std::string make_published_table(const PublishedTable& table, const std::vector<Row>& rows) {

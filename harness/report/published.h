@@ -1,6 +1,7 @@
 // Published tables beside our rows.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -15,7 +16,8 @@ struct CsvFile {
     int number;
     std::vector<std::string> cells;
   };
-  std::string path, title;  ///< title: the first comment
+  std::string path, title;         ///< title: the first comment
+  std::vector<std::string> notes;  ///< the other comments
   std::vector<std::string> columns;
   std::vector<Line> lines;
   /// Throws Error naming file and line if the cell is no number.
@@ -23,6 +25,20 @@ struct CsvFile {
 };
 /// Reads results/published/NAME.csv. Throws Error if it is missing, or a line has more or fewer cells than columns.
 CsvFile load_published_csv(const std::string& name);
+
+/// One published figure, beside a row of ours or alone.
+struct PublishedFigure {
+  std::map<std::string, std::string> keys = {};  ///< by column, as the file has them
+  std::string device, unit;                      ///< unit: "fps", "ms", ...
+  double published = 0.0;
+  const Row* row = nullptr;              ///< null: no row is like it
+  double here = nan;                     ///< the row's, in the same unit; NaN without a row
+  std::vector<std::string> stages = {};  ///< that `here` is the sum of; empty: the whole frame
+  /// Both over those of the first figure of the same table and subject that has a row like this one; NaN: not compared.
+  double published_relative = nan, here_relative = nan;
+
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+};
 
 /// A table of results/published: lines of "# comment", one of column names, then values. The last column is the
 /// published frames per second, the one before it names the device; all others are matched against a row's parameters
@@ -34,6 +50,8 @@ class PublishedTable {
 
   /// Published frames per second by device for a row; empty if nothing matches.
   std::map<std::string, double> lookup(const Row& row) const;
+  /// Every figure of the table, in its order, once for each row that is like it, or alone.
+  std::vector<PublishedFigure> beside(const std::vector<Row>& rows) const;
   const std::vector<std::string>& devices() const { return devices_; }
   const std::vector<std::string>& keys() const { return keys_; }
   const std::string& title() const { return title_; }
@@ -43,6 +61,7 @@ class PublishedTable {
     std::map<std::string, std::string> keys;
     std::string device;
     double fps;
+    bool is_like(const Row& row) const;
   };
   std::string title_;
   std::vector<Line> lines_;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/report/published.h"
 #include "harness/results/published_time.h"
 #include "harness/results/row.h"
 
@@ -18,6 +19,11 @@ struct PublishedTimes {
 /// Throws Error if a time is not in the file (columns table, subject, variant, value, unit), or its regular expression
 /// is none.
 void check_published_times(const PublishedTimes& asked);
+
+/// Every time that is asked for, in that order, with each row that it is compared with, or alone; behind them the rest
+/// of the file. `row` of a time may find several rows (backends): relative figures are over that of the same backend
+/// and threads. Throws like check_published_times().
+std::vector<PublishedFigure> published_times_beside(const PublishedTimes& asked, const std::vector<Row>& rows);
 
 /// Markdown: every published time and what was measured, both over the first of the same table and subject. `row` of
 /// one may find several rows (backends): one line each, compared with that of the same backend and threads.

@@ -1,6 +1,7 @@
 // What a row can be held against in somebody's paper.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -12,5 +13,10 @@ struct PublishedTime {
   std::string row;                      ///< regular expression searched in row names
   std::vector<std::string> stages;      ///< whose sum is compared; empty: the whole frame
 };
+
+/// As results.json keeps them in its context under "published_times", beside "published", the name of their table.
+nlohmann::json to_json(const std::vector<PublishedTime>& times);
+/// What to_json() has written. Throws Error if it is something else.
+std::vector<PublishedTime> published_times_from(const nlohmann::json& json);
 
 }  // namespace penumbra

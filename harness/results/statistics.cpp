@@ -1,6 +1,7 @@
 #include "harness/results/statistics.h"
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 namespace penumbra {
@@ -27,6 +28,10 @@ double spread(std::vector<double> values) {
   if (values.size() < 2) return 0.0;
   std::sort(values.begin(), values.end());
   return 0.5 * (quantile(values, 0.75) - quantile(values, 0.25));
+}
+
+double student_quantile(double level, double degrees) {
+  return boost::math::quantile(complement(boost::math::students_t(degrees), 0.5 * (1.0 - level)));
 }
 
 std::optional<double> mean_defined(const std::vector<std::optional<double>>& values) {

@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 
 #include "techniques/bases/shadow_map/point-inl.h"
+#include "techniques/bases/shadow_map/turned_samples-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace penumbra::pcss_rotated {
@@ -15,17 +16,9 @@ using namespace penumbra::shadow_map::simd::HWY_NAMESPACE;  // NOLINT: its base,
 template <class Use>
 HWY_INLINE void ForSamples(const ShadowMap& map, Pattern kind, const std::vector<vec2>& samples, VF x, VF y, VF width,
                            VF u, VF v, const Use& use) {
-  const Floats d;
-  const VF half = hn::Set(d, 0.5f);
   for (const vec2& s : samples) {
-    const VF sx = hn::Set(d, s.x), sy = hn::Set(d, s.y);
     VF px, py;
-    if (kind == Pattern::lattice) {
-      px = hn::Add(sx, u), py = hn::Add(sy, v);
-      px = hn::Sub(hn::Sub(px, hn::Floor(px)), half), py = hn::Sub(hn::Sub(py, hn::Floor(py)), half);
-    } else {
-      px = hn::Sub(hn::Mul(u, sx), hn::Mul(v, sy)), py = hn::Add(hn::Mul(v, sx), hn::Mul(u, sy));
-    }
+    Place(kind, s, u, v, px, py);
     use(DepthAt(map, FloorInt(hn::Add(x, hn::Mul(width, px))), FloorInt(hn::Add(y, hn::Mul(width, py)))));
   }
 }

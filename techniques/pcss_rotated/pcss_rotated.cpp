@@ -1,21 +1,10 @@
 #include "techniques/pcss_rotated/pcss_rotated.h"
 
-#include <cmath>
-
-#include "techniques/bases/random.h"
-#include "techniques/bases/shadow_map/samples.h"
 #include "techniques/bases/shadow_map/simd.h"
 
 namespace penumbra {
 namespace pcss_rotated {
 namespace {
-
-std::vector<vec2> make_samples(Pattern kind, int count) {
-  if (kind == Pattern::lattice) return lattice_square(count);
-  std::vector<vec2> samples = kind == Pattern::poisson ? poisson_disc(count) : vogel_disc(count);
-  for (vec2& s : samples) s /= float(std::sqrt(pi));  // a disc of area 1
-  return samples;
-}
 
 class RotatedShadow : public AreaShadow {
  public:
@@ -28,21 +17,6 @@ class RotatedShadow : public AreaShadow {
   }
 
  protected:
-  void find_turns(const Tile& tile, Turns& turns) const {
-    auto& [u, v] = turns;
-    u.resize(std::size_t(tile.size()) + Tile::padding), v.resize(u.size());
-    for (int k = 0; k < tile.size(); ++k) {
-      const int x = tile.column + k % tile.columns, y = tile.row + k / tile.columns;
-      const RandomTriple random = random_triple(std::uint64_t(y) << 32 | std::uint32_t(x), 0);
-      if (pattern_.kind == Pattern::lattice) {
-        u[k] = random.x, v[k] = random.y;
-        continue;
-      }
-      const float angle = float(2.0 * pi) * (pattern_.kind == Pattern::vogel ? gradient_noise(x, y) : random.x);
-      u[k] = std::cos(angle), v[k] = std::sin(angle);
-    }
-  }
-
   void find_visibility(Tile& tile) override {
     const LightView& view = map_.view;
     const int n = view.resolution;
@@ -52,7 +26,7 @@ class RotatedShadow : public AreaShadow {
       return map_.at(int(q.x), int(q.y));
     };
     Turns turns;
-    timed(project_part, [&] { find_turns(tile, turns); });
+    timed(project_part, [&] { find_turns(pattern_.kind, tile, turns); });
     const auto at = [&](int k, float width, vec2 sample) {
       return vec2(tile.x[k], tile.y[k]) + width * placed(pattern_.kind, sample, turns.u[k], turns.v[k]);
     };
@@ -93,7 +67,7 @@ class RotatedShadowSimd final : public Simd<RotatedShadow> {
  protected:
   void find_visibility(Tile& tile) override {
     thread_local Turns turns;
-    timed(project_part, [&] { find_turns(tile, turns); });
+    timed(project_part, [&] { find_turns(pattern_.kind, tile, turns); });
     timed(blocker_part, [&] { find_blockers(map_, pattern_, turns, tile); });
     timed(filter_part, [&] { filter(map_, pattern_, turns, filter_scale_, tile); });
   }

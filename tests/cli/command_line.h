@@ -16,9 +16,11 @@ struct Outcome {
 
 class CommandLine : public ::testing::Test {
  protected:
-  Outcome run(const std::string& arguments) const {
-    const std::string command = "PENUMBRA_CACHE=" + folder_.path() + "/cache " PENUMBRA_PROGRAM " " + arguments + " >" +
-                                folder_.path() + "/out.txt 2>" + folder_.path() + "/err.txt";
+  /// `environment`: "NAME=value" before the program.
+  Outcome run(const std::string& arguments, const std::string& environment = "") const {
+    const std::string command = "PENUMBRA_CACHE=" + folder_.path() + "/cache " + environment +
+                                " " PENUMBRA_PROGRAM " " + arguments + " >" + folder_.path() + "/out.txt 2>" +
+                                folder_.path() + "/err.txt";
     const int status = std::system(command.c_str());
     return {WEXITSTATUS(status), read_text(folder_.path() + "/out.txt"), read_text(folder_.path() + "/err.txt")};
   }

@@ -155,10 +155,11 @@ Outcome count(const Variant& variant, std::size_t number) {
   const Receivers& receivers = moments.scene.receivers;
   std::vector<vec3> image(std::size_t(receivers.size()));
   const View<vec3> view{image.data(), receivers.width, receivers.height};
-  // Counts what `work` does, from empty caches: to start is to clear them.
+  // Counts what `work` does, from empty caches: to start clears them, but not what was counted before.
   const auto stage = [&](const char* name, const auto& work) {
     const std::string label = fmt::format("{} {}", number, name);
     CALLGRIND_START_INSTRUMENTATION;
+    CALLGRIND_ZERO_STATS;
     work();
     CALLGRIND_DUMP_STATS_AT(label.c_str());
     CALLGRIND_STOP_INSTRUMENTATION;

@@ -34,17 +34,11 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// A word of /bin/sh.
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
 /// Options that both ways of running a program take.
 std::string command_of(const SideBySide& plan, int side, const std::string& verb) {
   const std::string program = std::filesystem::absolute(plan.programs[side]).string();
-  std::string command = quoted(program) + " " + verb + " " + quoted(plan.suite) + " --filter " + quoted(plan.filter);
+  std::string command =
+      shell_word(program) + " " + verb + " " + shell_word(plan.suite) + " --filter " + shell_word(plan.filter);
   return plan.threads > 0 ? command + fmt::format(" --threads {}", plan.threads) : command;
 }
 
@@ -52,7 +46,7 @@ std::string command_of(const SideBySide& plan, int side, const std::string& verb
 Results score(const SideBySide& plan, int side) {
   const std::string folder = std::filesystem::absolute(plan.directory + "/" + folders[side]).string();
   std::filesystem::remove(folder + "/results.json");
-  const std::string command = command_of(plan, side, "run") + " --repetitions 1 --out " + quoted(folder);
+  const std::string command = command_of(plan, side, "run") + " --repetitions 1 --out " + shell_word(folder);
   const CommandEnd end = run_command("exec " + command, ".", 24.0 * patience_s, [](std::string_view) {});
   Results results = read_results(folder);
   if (results.rows.empty()) throw Error("{}: {} measured nothing: it {}", plan.programs[side], plan.suite, end.fault());
