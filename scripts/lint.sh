@@ -9,7 +9,7 @@ if git grep -nE '__CUDACC__|__CUDA_ARCH__' -- scenes techniques harness tests ':
   exit 1
 fi
 for script in scripts/*.sh .ci/run; do bash -n "$script"; done
-python3 -m py_compile scripts/*.py tests/*.py tests/counts/*.py tests/faults/*.py
+python3 -m py_compile scripts/*.py scripts/report/*.py tests/*.py tests/counts/*.py tests/report/*.py tests/faults/*.py
 python3 tests/faults/plant.py --check
 cmake --preset lint >/dev/null
 cmake --build --preset lint --target spherical_harmonics_code >/dev/null # a header that sources include

@@ -9,10 +9,8 @@ import pathlib
 LISTS = ("rows", "untimed", "failed", "skipped")
 
 
-def read_rows(file_or_folder) -> list[dict]:
+def rows_of(document: dict) -> list[dict]:
     """All rows, whatever became of them, each with `samples`: times of its repetitions in ms."""
-    path = pathlib.Path(file_or_folder)
-    document = json.loads((path / "results.json" if path.is_dir() else path).read_text(encoding="utf-8"))
     if "format_version" not in document:
         return document["benchmarks"]
     rows = sorted((row for name in LISTS for row in document[name]), key=lambda row: row["index"])
@@ -28,3 +26,9 @@ def read_rows(file_or_folder) -> list[dict]:
             if name in entry:
                 samples[name].append(entry[name])
     return rows
+
+
+def read_rows(file_or_folder) -> list[dict]:
+    """The rows of a file, or of the results.json in a folder."""
+    path = pathlib.Path(file_or_folder)
+    return rows_of(json.loads((path / "results.json" if path.is_dir() else path).read_text(encoding="utf-8")))

@@ -17,6 +17,8 @@ packages=(
   python3 python3-venv
   valgrind # counts instructions of kernels
 )
+# Opens the report in its tests; Ubuntu's package of that name is a snap, and its CI machines have a Chrome.
+if grep -q '^ID=debian' /etc/os-release; then packages+=(chromium); fi
 
 missing=()
 for package in "${packages[@]}"; do

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "harness/catalogue/catalogue.h"
 #include "harness/commands/commands.h"
 #include "harness/commands/page_script.h"
 #include "harness/compare/comparison.h"
@@ -35,6 +36,14 @@ std::string text_of(const nlohmann::json& document) {
   return document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+/// What follows from the rows, and whom their techniques go back to.
+nlohmann::json figures_of(const Results& results) {
+  nlohmann::json figures = make_figures(results);
+  const Registry registry = make_registry();
+  for (const Entry& entry : registry.entries()) figures["citations"][entry.name] = entry.citation;
+  return figures;
+}
+
 /// A folder that is gone in the end.
 class PassingFolder {
  public:
@@ -57,7 +66,7 @@ class PassingFolder {
 std::vector<std::string> arguments_for(const ReportOptions& options, const std::string& page,
                                        const std::string& folder) {
   const Results results = read_results_path(options.run);
-  write_atomically(folder + "/figures.json", text_of(make_figures(results)));
+  write_atomically(folder + "/figures.json", text_of(figures_of(results)));
   std::vector<std::string> words = {"--results", file_of(options.run), "--figures", folder + "/figures.json", "--out",
                                     page};
   if (!options.base.empty()) {
@@ -117,7 +126,7 @@ void add_report(CLI::App& app, int& exit_code) {
   auto* figures = command->add_flag("--figures", options.figures, "Make no page; print what follows from the rows");
   for (CLI::Option* other : {open, page, base, paper, history}) figures->excludes(other);
   command->callback([&exit_code] {
-    if (options.figures) fmt::print("{}", text_of(make_figures(read_results_path(options.run))));
+    if (options.figures) fmt::print("{}", text_of(figures_of(read_results_path(options.run))));
     else exit_code = make_page(options);
   });
 }
