@@ -99,6 +99,12 @@ bool tells_more(const ErrorComparison& a, const ErrorComparison& b) {
   return weight(a) > weight(b);
 }
 
+/// Of separate runs, which nobody measures on until they are certain: within the threshold, and 95 % of what the ratio
+/// may be within twice that.
+bool surely_near(const TimeComparison& change, double most) {
+  return change.ratio <= most && change.ratio >= 1.0 / most && change.interval.within(1.0 / (most * most), most * most);
+}
+
 }  // namespace
 
 bool paired(const Timing& base, const Timing& next) {
@@ -150,7 +156,8 @@ void judge(const Thresholds& thresholds, TimeComparison& change) {
   if (change.probability < false_alarms && !change.interval.contains(1.0)) {
     change.verdict = change.ratio > 1.0 ? Verdict::slower : Verdict::faster;
     change.regressed = change.ratio > most;
-  } else if (change.interval.within(1.0 / most, most) || change.identical) {
+  } else if (change.identical ||
+             (change.paired ? change.interval.within(1.0 / most, most) : surely_near(change, most))) {
     change.verdict = Verdict::same;
   } else if (change.paired) {
     change.why = "not certain within its budget; give more of it (--budget)";

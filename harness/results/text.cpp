@@ -52,7 +52,7 @@ std::string cut_to_columns(const std::string& text, int columns) {
 
 std::string cut_in_middle(const std::string& text, int columns) {
   if (columns_of(text) <= columns) return text;
-  const int end = columns / 2;
+  const int end = columns / 5;
   std::size_t at = 0;
   for (int left = columns_of(text); at < text.size() && left > end;) {
     const std::size_t size = letter_size(text, at);

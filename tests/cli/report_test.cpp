@@ -111,7 +111,7 @@ TEST_F(ReportCommand, PassesOnWhatTheScriptSaysAndHowItEnds) {
 TEST_F(ReportCommand, ACrashIsSaid) {
   python("kill -SEGV $$");
   const test::Outcome o = run("report " + results("a"));
-  EXPECT_EQ(o.code, 1);
+  EXPECT_EQ(o.code, 2);
   EXPECT_THAT(o.err, HasSubstr("crashed (signal 11"));
 }
 
