@@ -27,6 +27,9 @@ if [ ! -e "$tree/CMakeLists.txt" ]; then
   git worktree add --quiet --force --detach "$tree" "$commit"
 fi
 for folder in "$tree" .; do
-  (cd "$folder" && cmake --preset release >/dev/null && cmake --build --preset release --target penumbra)
+  (cd "$folder" && cmake --preset release >/dev/null && cmake --build --preset release --target penumbra) || {
+    echo "ab: $folder does not build" >&2
+    exit 2 # 1 would be a regression
+  }
 done
 build/release/penumbra compare --ab "$tree/build/release/penumbra" build/release/penumbra "$suite" "$@"

@@ -9,7 +9,8 @@ namespace {
 
 using namespace test;  // NOLINT: scenes under a lamp
 
-const char* const family[] = {"shadow-map", "pcss", "hqepcss", "fast-pcss", "pcss-rotated", "moment-shadows", "shadow-map-traced"};
+const char* const family[] = {"shadow-map",   "pcss",           "hqepcss",          "fast-pcss",
+                              "pcss-rotated", "moment-shadows", "shadow-map-traced"};
 
 TEST(Pcss, HalfPlaneGivesTheExactRamp) {
   expect_ramp("pcss", {}, 0.02, lamp, 1.0);
