@@ -120,7 +120,8 @@ def read_said(program, text):
            not all(set(KEY) - {"stage"} <= variant.keys() for variant in variants.values()):
             raise KeyError
     except (ValueError, KeyError, TypeError, AttributeError):
-        raise Stop(2, f"{program} did not print what it counted; --program must be instruction_counts of a build") from None
+        raise Stop(2, f"{program} did not print what it counted; "
+                      "--program must be instruction_counts of a build") from None
     return context, variants
 
 
@@ -165,7 +166,8 @@ def read(path):
     except (OSError, UnicodeDecodeError) as error:
         raise Stop(2, f"{path}: {error}") from error
     context = dict(re.findall(r"^# ([^:]+): (.*)$", text, re.MULTILINE))
-    table = [(number, line) for number, line in enumerate(text.removesuffix("\n").split("\n"), 1) if not line.startswith("#")]
+    lines = enumerate(text.removesuffix("\n").split("\n"), 1)
+    table = [(number, line) for number, line in lines if not line.startswith("#")]
     if not table or table[0][1] != ",".join(KEY + COUNTS) or not set(CONTEXT) <= set(context):
         raise Stop(2, f"{path}: no file of instruction counts; it would begin with # {CONTEXT[0]}: ... and have the "
                       f"columns {','.join(KEY + COUNTS)}")
