@@ -1,9 +1,21 @@
 #!/usr/bin/env bash
 # The gate of a pull request: this tree against the commit in results/baseline/COMMIT, side by side.
-#   scripts/gate.sh            exit 1 for a regression
-#   scripts/gate.sh --renew    makes HEAD the baseline; say in the commit why
 # Times have a generous bound, since this machine may be a noisy one; errors have a strict one, since they have no noise.
 set -euo pipefail
+
+case "${1:-}" in
+  -h | --help)
+    cat <<'HELP'
+usage: scripts/gate.sh [other options of `penumbra compare --ab`]
+       scripts/gate.sh --renew
+
+Builds this tree and the commit in results/baseline/COMMIT, and measures suite `ci` of both side by side, with
+--fail-slower 30% --fail-error 0.1% --budget 4 --out build/ab/results. --renew makes HEAD the baseline; say in the commit why.
+Exit code: 0 no regression, or the baseline is not in this clone (which is said); 1 a regression; 2 wrong input.
+HELP
+    exit 0
+    ;;
+esac
 cd "$(dirname "$0")/.."
 
 if [ "${1:-}" = --renew ]; then

@@ -6,8 +6,8 @@
     scripts/instruction_counts.py --counts A.csv --baseline B.csv
 
 Callgrind simulates one processor with fixed caches, so noise and the machine do not matter; docs/kernel-counts.md says what
-is counted. Exit code 0: nothing grew beyond the tolerances, 1: a kernel did or is gone, 2: wrong input, 3: the counts cannot
-be compared (another compiler, library or valgrind than the baseline's).
+is counted. Exit code 0: nothing grew beyond the tolerances, 1: a kernel did or is gone, 2: wrong input, or an output that
+cannot be written, 3: the counts cannot be compared (another compiler, library or valgrind than the baseline's).
 """
 import argparse
 import collections
@@ -20,6 +20,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import traceback
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -32,6 +33,7 @@ CACHES = {"I1": "32768,8,64", "D1": "32768,8,64", "LL": "268435456,16,64"}
 HEAP = "glibc.malloc.mmap_threshold=1073741824:glibc.malloc.trim_threshold=4294967296:glibc.malloc.top_pad=67108864"
 SCENES = ["environment.toml", "area.toml"]
 MOST_LINES = 20
+FEWEST_COLUMNS = 20
 
 Counted = collections.namedtuple("Counted", "context rows")  # rows: {key: {count: number}}
 Change = collections.namedtuple("Change", "key count ratio")
@@ -43,6 +45,11 @@ class Stop(Exception):
     def __init__(self, code, message):
         super().__init__(message)
         self.code = code
+
+
+def plain(text):
+    """The text without what moves a terminal's cursor: such characters as they would be written in code."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 # --- counting --------------------------------------------------------------------------------------------------------
@@ -91,24 +98,47 @@ def count(program, jobs, only=()):
             raise Stop(3 if done.returncode == 3 else 2, f"the program ended with exit code {done.returncode}\n"
                        + done.stderr[-2000:])
         dumps = [dump for path in Path(folder).iterdir() if (dump := read_dump(path))]
-    said = json.loads(done.stdout)
+    said, variants = read_said(program, done.stdout)
     valgrind = subprocess.run(["valgrind", "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    context = {**said["context"], "valgrind": valgrind, "caches": " ".join(f"{c} {g}" for c, g in CACHES.items())}
+    context = {**said, "valgrind": valgrind, "caches": " ".join(f"{c} {g}" for c, g in CACHES.items())}
     rows = {}
     for number, stage, counts in dumps:
-        if number in said["variants"]:
-            rows[tuple({**said["variants"][number], "stage": stage}[k] for k in KEY)] = counts
-    missing = len(said["variants"]) - len({key[:-1] for key in rows if key[-1] == "shade"})
+        if number in variants:
+            rows[tuple({**variants[number], "stage": stage}[k] for k in KEY)] = counts
+    missing = len(variants) - len({key[:-1] for key in rows if key[-1] == "shade"})
     if missing or not rows:
-        raise Stop(2, f"callgrind did not count {missing} of {len(said['variants'])} variants")
+        raise Stop(2, f"callgrind did not count {missing} of {len(variants)} variants")
     return Counted(context, dict(sorted(rows.items())))
+
+
+def read_said(program, text):
+    """Context and variants that the program printed. Stops with 2 where it is another program."""
+    try:
+        said = json.loads(text)
+        context, variants = said["context"], said["variants"]
+        if not set(CONTEXT) - {"valgrind", "caches"} <= context.keys() or \
+           not all(set(KEY) - {"stage"} <= variant.keys() for variant in variants.values()):
+            raise KeyError
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise Stop(2, f"{program} did not print what it counted; "
+                      "--program must be instruction_counts of a build") from None
+    return context, variants
 
 
 # --- files -----------------------------------------------------------------------------------------------------------
 
 
+def make_folder(path):
+    """The folder of a file that is to be written, made if it alone is missing: a slip in a path must not make a tree, nor
+    anything in the root of the file system. Asked before minutes are spent on counting."""
+    folder = path.absolute().parent
+    if not folder.exists() and (not folder.parent.is_dir() or folder.parent == Path(folder.anchor)):
+        raise Stop(2, f"{path}: there is no folder {folder}")
+    folder.mkdir(exist_ok=True)
+
+
 def write(path, counted, why):
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path)
     with open(path, "w", encoding="utf-8", newline="") as file:
         for name, value in {"why": why, **{name: counted.context[name] for name in CONTEXT}}.items():
             file.write(f"# {name}: {value}\n")
@@ -118,23 +148,36 @@ def write(path, counted, why):
             writer.writerow([*key, *(counts[name] for name in COUNTS)])
 
 
+def read_row(line):
+    """Key and counts of a line; no counts if it is wrong."""
+    try:
+        fields = next(csv.reader([line], strict=True), [])
+    except csv.Error:
+        fields = []
+    key, numbers = tuple(fields[:len(KEY)]), fields[len(KEY):]
+    good = len(numbers) == len(COUNTS) and all(re.fullmatch(r"[0-9]{1,18}", n) for n in numbers)
+    return key, dict(zip(COUNTS, map(int, numbers))) if good else {}
+
+
 def read(path):
     """Counts of a file. Stops with 2 where it is not one of ours, whole."""
     try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
+        text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise Stop(2, f"{path}: {error}") from error
-    context = dict(re.findall(r"^# ([^:]+): (.*)$", "\n".join(lines), re.MULTILINE))
-    table = list(csv.reader(line for line in lines if not line.startswith("#")))
-    if not table or table[0] != KEY + COUNTS or not set(CONTEXT) <= set(context):
+    context = dict(re.findall(r"^# ([^:]+): (.*)$", text, re.MULTILINE))
+    lines = enumerate(text.removesuffix("\n").split("\n"), 1)
+    table = [(number, line) for number, line in lines if not line.startswith("#")]
+    if not table or table[0][1] != ",".join(KEY + COUNTS) or not set(CONTEXT) <= set(context):
         raise Stop(2, f"{path}: no file of instruction counts; it would begin with # {CONTEXT[0]}: ... and have the "
                       f"columns {','.join(KEY + COUNTS)}")
     rows = {}
-    for fields in table[1:]:
-        key, numbers = tuple(fields[:len(KEY)]), fields[len(KEY):]
-        if len(numbers) != len(COUNTS) or not all(re.fullmatch(r"\d{1,18}", n) for n in numbers) or key in rows:
-            raise Stop(2, f"{path}: wrong or twice there: {','.join(fields)}")
-        rows[key] = dict(zip(COUNTS, map(int, numbers)))
+    for number, line in table[1:]:
+        key, counts = read_row(line)
+        if not counts or key in rows:
+            what = "twice there" if counts else "wrong" if line else "empty"
+            raise Stop(2, f"{path}, line {number}: {what}{': ' if line else ''}{line[:200]}")
+        rows[key] = counts
     if not rows:
         raise Stop(2, f"{path}: no counts")
     return Counted({name: context[name] for name in CONTEXT}, rows)
@@ -157,7 +200,7 @@ def worst_change(key, before, after, tolerances, few):
 
 def described(key):
     technique, backend, light, way, stage = key
-    return f"{technique} {backend}, {light}, {stage}" + (f", {way}" if way else "")
+    return plain(f"{technique} {backend}, {light}, {stage}" + (f", {way}" if way else ""))
 
 
 def fitted(lines, columns):
@@ -181,7 +224,7 @@ def compare(base, new, tolerances, few):
     show += [f"{'gone':>10} {'':12} {described(key)}" for key in gone]
     show += [f"{'new':>10} {'':12} {described(key)}" for key in added]
     show += [f"{f'{100 * (c.ratio - 1):+.2f} %':>10} {c.count:12} {described(c.key)}" for c in reversed(fallen)]
-    columns = shutil.get_terminal_size((80, 24)).columns
+    columns = max(FEWEST_COLUMNS, shutil.get_terminal_size((80, 24)).columns)
     lines = fitted(show, columns)
     total = f"{len(common)} kernels: {len(grown)} grew, {len(fallen)} fell, {len(added)} new, {len(gone)} gone"
     if not grown and not gone and (fallen or added):
@@ -232,13 +275,15 @@ def parse_arguments():
     parser.add_argument("--renew", action="store_true", help="write the baseline instead of comparing")
     parser.add_argument("--why", default="", help="what the baseline is renewed for: one line, for its file and commit")
     options = parser.parse_args()
-    if options.renew and (not options.why.strip() or "\n" in options.why):
+    if options.renew and (not options.why.strip() or not options.why.isprintable()):
         parser.error("--renew needs --why \"one line\": what changed the counts")
     return options
 
 
 def main():
     options = parse_arguments()
+    for path in [options.save] * bool(options.save) + [options.baseline] * options.renew:
+        make_folder(path)
     base = None if options.renew else read(options.baseline)
     if options.counts:
         new = read(options.counts)
@@ -259,9 +304,38 @@ def main():
     return code
 
 
-if __name__ == "__main__":
+def complain(message):
     try:
-        sys.exit(main())
+        print("instruction counts: " + "\n".join(map(plain, message.splitlines())), file=sys.stderr, flush=True)
+    except OSError:
+        pass  # the exit code is what is left
+
+
+def exit_code():
+    """Of the command. 1 is an answer, that a kernel grew, and so nothing else ends with it."""
+    sys.stdout, sys.stderr = (stream or open(os.devnull, "w") for stream in (sys.stdout, sys.stderr))
+    sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        code = main()
+        sys.stdout.flush()
+        return code
     except Stop as stop:
-        print(f"instruction counts: {stop}", file=sys.stderr)
-        sys.exit(stop.code)
+        complain(str(stop))
+        return stop.code
+    except OSError as error:
+        complain(f"cannot read or write: {error}")
+    except Exception as error:  # noqa: BLE001
+        at = traceback.extract_tb(error.__traceback__)[-1]
+        complain(f"a fault of this script: {type(error).__name__}: {error} ({Path(at.filename).name}, line {at.lineno})")
+    return 2
+
+
+if __name__ == "__main__":
+    code = exit_code()
+    # What is buffered for an output that takes nothing would fail once more at exit, with a code of Python's own.
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    sys.exit(code)

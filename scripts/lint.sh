@@ -11,6 +11,7 @@ fi
 for script in scripts/*.sh .ci/run; do bash -n "$script"; done
 python3 -m py_compile scripts/*.py scripts/report/*.py tests/*.py tests/counts/*.py tests/report/*.py tests/faults/*.py
 python3 tests/faults/plant.py --check
+python3 scripts/gate_trial.py --check
 cmake --preset lint >/dev/null
 cmake --build --preset lint --target spherical_harmonics_code >/dev/null # a header that sources include
 # Highway's kernels include themselves once per instruction set; read once, for the baseline, clang-tidy can follow. The

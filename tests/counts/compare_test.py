@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """What scripts/instruction_counts.py says of counts that differ, and its exit codes. Nothing is counted here."""
+import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -36,6 +38,19 @@ class Compare(unittest.TestCase):
         if "--renew" not in arguments:  # which prints a command
             self.assertTrue(all(len(line) <= 80 for line in done.stdout.splitlines()), done.stdout)
         return done.returncode, done.stdout + done.stderr
+
+    def file(self, text, name="new.csv"):
+        path = pathlib.Path(self.folder.name) / name
+        path.write_text(text)
+        return path
+
+    def run_script(self, *arguments, columns=80, **streams):
+        base = self.file(HEAD + "\n".join(ROWS.values()) + "\n", "base.csv")
+        done = subprocess.run([sys.executable, SCRIPT, "--baseline", base, *arguments], text=True,
+                              env={"COLUMNS": str(columns), "PATH": os.environ["PATH"]},
+                              **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams})
+        self.assertNotIn("Traceback", done.stderr or "")
+        return done
 
     def changed(self, old, new, *arguments, head=HEAD):
         text = head + "\n".join(ROWS.values()) + "\n"
@@ -115,6 +130,81 @@ class Compare(unittest.TestCase):
             self.assertEqual(self.compare(text)[0], 2, text[:200])
             self.assertEqual(self.compare(whole, base=text)[0], 2, text[:200])
         self.assertEqual(self.compare(whole, "--baseline", "/nowhere/counts.csv")[0], 2)
+
+    def test_a_wrong_line_is_said_by_its_number(self):
+        whole = HEAD + "\n".join(ROWS.values()) + "\n"
+        for text, said in ((whole.replace("\npcss", "\n\npcss"), "base.csv, line 10: empty"),
+                           (whole + "\n", "base.csv, line 11: empty"),
+                           (whole.replace("135,8", "135,x"), "base.csv, line 10: wrong: pcss,"),
+                           (whole + ROWS["pcss"], "base.csv, line 11: twice there: pcss,"),
+                           (whole.replace("pcss,", '"pcss,'), "base.csv, line 10: wrong")):
+            code, words = self.compare(whole, base=text)
+            self.assertEqual(code, 2, words)
+            self.assertIn(said, words)
+
+    def test_nothing_in_a_file_moves_the_cursor(self):
+        whole = HEAD + "\n".join(ROWS.values()) + "\n"
+        hostile = "p\x1b[2J\rcss\x07\u202e"
+        for text in (whole.replace("410", "900").replace("pcss", hostile), whole + hostile + "\n",
+                     whole.replace("Embree 3", "Embree \x1b]0;3\x07")):
+            code, said = self.compare(text)
+            self.assertNotEqual(code, 0)
+            self.assertTrue(all(line.isprintable() for line in said.splitlines()), repr(said))
+            self.assertIn("\\x", said)
+
+    def test_a_narrow_screen_is_kept_to_where_it_can_be(self):
+        for columns, most in ((2, 20), (40, 40)):
+            done = self.run_script("--counts", self.file(HEAD + ROWS["wavelet"] + "\n"), columns=columns)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(max(map(len, done.stdout.splitlines())), most)
+
+    def test_no_folder_is_made_where_a_path_has_a_slip(self):
+        counts, folder = self.file(HEAD + ROWS["pcss"] + "\n", "kept.csv"), pathlib.Path(self.folder.name)
+        root = pathlib.Path("/penumbra-no-such-folder")
+        for target, parent in ((root / "counts.csv", root), (folder / "a/b/counts.csv", folder / "a")):
+            for options in (("--save", target), ("--baseline", target, "--renew", "--why", "a slip")):
+                done = self.run_script("--counts", counts, *options)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn("there is no folder", done.stderr)
+                self.assertFalse(parent.exists())
+        done = self.run_script("--counts", counts, "--save", folder / "new/counts.csv")
+        self.assertEqual(done.returncode, 1)  # the other kernel is gone
+        self.assertTrue((folder / "new/counts.csv").is_file())
+
+    def test_only_a_kernel_that_grew_ends_with_1(self):
+        whole = HEAD + "\n".join(ROWS.values()) + "\n"
+        same = self.file(whole, "same.csv")
+        with open("/dev/full", "w") as full:
+            for streams in ({"stdout": full}, {"stdout": full, "stderr": full}):
+                self.assertEqual(self.run_script("--counts", same, **streams).returncode, 2)
+            self.assertEqual(self.run_script("--counts", "/nowhere/counts.csv", stderr=full).returncode, 2)
+        self.assertEqual(self.run_script("--counts", same, "--save", "/dev/full").returncode, 2)
+        self.assertEqual(self.run_script("--counts", self.folder.name).returncode, 2)
+
+    @unittest.skipUnless(shutil.which("valgrind"), "needs valgrind")
+    def test_another_program_is_wrong_input(self):
+        for program in ("/bin/true", "/bin/false", "/nowhere/program", "/dev/null"):
+            done = self.run_script("--program", program)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertTrue(done.stderr.startswith("instruction counts: "), done.stderr)
+
+    def test_what_a_program_prints_is_read_with_care(self):
+        sys.path.insert(0, str(SCRIPT.parent))
+        import instruction_counts
+        for text in ("", "[]", "{}", "3", '{"context": 1, "variants": 2}', '{"context": {}, "variants": {}}',
+                     '{"context": {"compiler": "", "flags": "", "instruction set": "", "libraries": ""}, "variants": {"1": {}}}'):
+            with self.assertRaises(instruction_counts.Stop) as stopped:
+                instruction_counts.read_said("program", text)
+            self.assertEqual(stopped.exception.code, 2)
+
+    def test_a_fault_of_the_script_ends_with_2_and_a_sentence(self):
+        code = ("import sys; sys.path.insert(0, sys.argv.pop(1)); import instruction_counts as c\n"
+                "def main(): return {}['x']\n"
+                "c.main = main; sys.exit(c.exit_code())")
+        done = subprocess.run([sys.executable, "-c", code, SCRIPT.parent], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("KeyError: 'x'", done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
 
     def test_renewing_needs_a_reason_and_keeps_it(self):
         whole = HEAD + "\n".join(ROWS.values()) + "\n"
