@@ -191,7 +191,8 @@ def worst_change(key, before, after, tolerances, few):
     changes = []
     for name in COUNTS:
         old, new = before[name], after[name]
-        slack = few
+        # Where a tree is built, its memory decides about a thousand instructions.
+        slack = few + (1200 if name == "instructions" and key[KEY.index("stage")] == "new shape" else 0)
         if abs(new - old) > tolerances[name] * old + slack:
             changes.append(Change(key, name, new / old if old else math.inf))
     grown = [change for change in changes if change.ratio > 1]
@@ -268,8 +269,8 @@ def parse_arguments():
     parser.add_argument("--fail-instructions", type=percentage, default="0.5%", metavar="PERCENT")
     parser.add_argument("--fail-lines", type=percentage, default="2%", metavar="PERCENT",
                         help="of reads and writes")
-    # Where data happen to lie moves these two: by 8 % and 30 % when the same code is linked with other data.
-    parser.add_argument("--fail-touched", type=percentage, default="10%", metavar="PERCENT", help="of lines touched")
+    # Where data happen to lie moves these two: by 11 % and 30 % when the same code is linked with other data.
+    parser.add_argument("--fail-touched", type=percentage, default="20%", metavar="PERCENT", help="of lines touched")
     parser.add_argument("--fail-d1", type=percentage, default="50%", metavar="PERCENT", help="of lines that D1 misses")
     parser.add_argument("--few", type=int, default=96, metavar="N", help="so many more are as good as none")
     parser.add_argument("--renew", action="store_true", help="write the baseline instead of comparing")

@@ -20,6 +20,8 @@ struct PixelMap {
   std::vector<float> depth;        ///< distance to the lamp's centre, m; NaN where nothing is seen
   std::vector<float> caster;       ///< distance to the nearest caster, m; infinity where there is none
 
+  std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
+
   void resize(int wide, int high) {
     width = wide, height = high;
     const std::size_t n = std::size_t(wide) * std::size_t(high);

@@ -38,12 +38,12 @@ void SurfaceBits::set(const PixelMap& map, float epsilon, int r) {
   for (Rows* rows : {&open_, &seen_, &right_, &down_, &down_right_, &down_left_}) rows->assign(words, 0);
   for_ranges(map.height, 8, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
-      const float* row = &map.depth[std::size_t(y) * std::size_t(map.width)];
+      const float* row = &map.depth[map.index(0, y)];
       const float* next = y + 1 < map.height ? row + map.width : nullptr;
       const auto joined = [&](float a, float b) { return std::fabs(a - b) < epsilon; };
       for (int x = 0; x < map.width; ++x) {
         const bool more = x + 1 < map.width;
-        put(open_, x, y, map.open[std::size_t(y) * std::size_t(map.width) + std::size_t(x)] != 0);
+        put(open_, x, y, map.open[map.index(x, y)] != 0);
         put(seen_, x, y, row[x] == row[x]);
         put(right_, x, y, more && joined(row[x], row[x + 1]));
         if (!next) continue;
@@ -151,7 +151,7 @@ float SurfaceBits::borrowed_caster(int x, int y, int r) const {
     if (const std::uint64_t right = dark >> r) look_at(std::countr_zero(right), dy);
   });
   if (least == std::numeric_limits<int>::max()) return std::numeric_limits<float>::infinity();
-  return map_->caster[std::size_t((y + nearest_y) * map_->width + x + nearest_x)];
+  return map_->caster[map_->index(x + nearest_x, y + nearest_y)];
 }
 
 }  // namespace penumbra::visibility_filter

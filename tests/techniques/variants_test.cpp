@@ -300,7 +300,7 @@ TEST(InstructionSets, AllAgree) {
 }
 
 /// A parameter that is read in another's place changes nothing. One end of its range against the other, for receivers
-/// on the ground and on the mesh. (Other backends equal this one.)
+/// on the ground, on the mesh and of a camera. (Other backends equal this one.)
 TEST(Variants, EveryRealParameterMatters) {
   const Registry registry = make_registry();
   for (const Entry& entry : registry.entries()) {
@@ -309,10 +309,14 @@ TEST(Variants, EveryRealParameterMatters) {
     const Scene ground = thinned(scene_for(entry, false), 16);
     Scene mesh = ground;
     mesh.receivers = make_receivers({MeshVertices{}, vec3(1.0f)}, mesh.mesh);
+    Scene view = ground;
+    Camera camera;
+    camera.width = camera.height = 24;
+    view.receivers = make_receivers({camera, vec3(1.0f)}, view.mesh);
     for (const Parameter& p : entry.parameters) {
       if (ends_of(p).empty()) continue;
       bool matters = false;
-      for (const Scene* scene : std::initializer_list<const Scene*>{&ground, &mesh}) {
+      for (const Scene* scene : std::initializer_list<const Scene*>{&ground, &mesh, &view}) {
         if (matters) continue;
         std::vector<vec3> image[2];
         for (int k = 0; k < 2; ++k) {
