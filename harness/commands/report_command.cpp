@@ -28,7 +28,8 @@ struct ReportOptions {
 };
 
 std::string file_of(const std::string& file_or_folder) {
-  return fs::is_directory(file_or_folder) ? (fs::path(file_or_folder) / "results.json").string() : file_or_folder;
+  const std::string path = file_or_folder.starts_with('-') ? "./" + file_or_folder : file_or_folder;  // no option
+  return fs::is_directory(path) ? (fs::path(path) / "results.json").string() : path;
 }
 
 /// What is no UTF-8 is replaced.

@@ -79,6 +79,13 @@ Row scored_row(const SceneContext& context, const Suite& suite, const Image& ima
   return row;
 }
 
+/// What --noise a row's truth may have had: suites call it truth_noise.
+std::string noise_of_truth(const Row& row) {
+  const auto truth = row.score.errors.find("truth");
+  if (truth == row.score.errors.end() || !truth->second.rel_noise) return "";
+  return fmt::format(": theirs is {:.2g}, at most their suite's truth_noise", *truth->second.rel_noise);
+}
+
 /// Rows of a folder that the image joins. Throws Error if those of its scene were measured against another truth.
 Results rows_beside(const std::string& directory, const SceneContext& context) {
   Results results = read_results(directory);
@@ -87,8 +94,8 @@ Results rows_beside(const std::string& directory, const SceneContext& context) {
     if (row.ok() && row.id.scene == context.scene().name && !row.facts.scene_key.starts_with(truth))
       throw Error(
           "{}/results.json: its rows of scene '{}' were measured against another truth (the scene, its frame or "
-          "--noise is another); choose another folder with --out",
-          directory, context.scene().name);
+          "--noise is another{}); choose another folder with --out",
+          directory, context.scene().name, noise_of_truth(row));
   if (results.rows.empty()) {
     results.context = machine_context(make_registry());
     results.context["suite"] = "score";

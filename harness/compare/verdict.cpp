@@ -162,7 +162,9 @@ void judge(const Thresholds& thresholds, TimeComparison& change) {
   } else if (change.paired) {
     change.why = "not certain within its budget; give more of it (--budget)";
   } else {
-    change.why = "samples scatter too much to tell; take more (--repetitions), or compare --ab";
+    change.why = change.interval.contains(1.0)
+                     ? "samples scatter too much to tell; take more (--repetitions), or compare --ab"
+                     : "it looks changed, but so few samples do not prove it; take more (--repetitions)";
   }
 }
 

@@ -60,7 +60,11 @@ class Gallery:
 
     def _read(self, stem: pathlib.Path):
         file = stem.parent / f"{stem.name}.exr"
-        if not file.exists():
+        try:
+            there = file.exists()
+        except OSError as e:  # a name that is too long
+            return None, f"its image {shortened(file.name, 120)} cannot be looked for ({e.strerror})"
+        if not there:
             return None, f"its image {shortened(file.name, 120)} is missing"
         try:
             pixels = read_exr(file)
@@ -150,7 +154,7 @@ def build(run: Run, figures: dict, base: Run | None, comparison: dict | None, ru
     return environment.get_template("page.html").render(
         run=run, context=run.context, rows=rows, scenes=scenes, limits=limits, answers=answers(rows, scenes, limits),
         unmeasured=[row for row in rows if row["status"] != "ok"], changes=changes, past=past, published=tables,
-        warnings=words.machine_warnings(run.context), load=words.load_text(run.context), halved=halved,
+        warnings=words.machine_warnings(run.context) + words.name_warnings(rows, figures), load=words.load_text(run.context), halved=halved,
         figures_missing=not figures, missing=[r for r in rows if r["status"] == "ok" and r["image"] is None],
         techniques=sorted({r["technique"] for r in rows}), backends=sorted({r["backend"] for r in rows}),
         style="\n".join((HERE / "css" / f"{name}.css").read_text() for name in STYLES),

@@ -22,7 +22,8 @@ SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasc
 def tex(text) -> str:
     """Text that LaTeX prints as it is; no command can be in it."""
     plain = "".join(c if c.isprintable() else " " for c in str(text))
-    return "".join(SPECIAL.get(c, c) for c in plain).replace("±", r"$\pm$").replace("–", "--").replace("·", r"$\cdot$").replace("…", r"\dots{}") \
+    guard = "{}" if plain[:1] in ("[", "*") else ""  # LaTeX's line break would take them
+    return guard + "".join(SPECIAL.get(c, c) for c in plain).replace("±", r"$\pm$").replace("–", "--").replace("·", r"$\cdot$").replace("…", r"\dots{}") \
         .replace("×", r"$\times$").replace("≤", r"$\le$").replace("°", r"$^\circ$")
 
 

@@ -23,8 +23,12 @@ def read_figures(path) -> dict:
 
 
 def write(path: pathlib.Path, text: str) -> None:
-    """Whole or not at all."""
+    """Whole or not at all, where a link leads; into what is no file, a pipe or a device, as it is."""
+    path = path.resolve()
     path.parent.mkdir(parents=True, exist_ok=True)
+    if path.exists() and not path.is_file():
+        path.write_text(text, encoding="utf-8")
+        return
     unfinished = path.with_name(path.name + ".unfinished")
     unfinished.write_text(text, encoding="utf-8")
     os.replace(unfinished, path)

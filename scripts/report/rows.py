@@ -58,8 +58,8 @@ def parts_of(row: dict) -> list[list]:
         return []
     parts = []
     if cube is not None and cube < truth:
-        parts.append(["texels", (truth ** 2 - cube ** 2) ** 0.5])
-    on_spheres = row["reads_spheres"] and spheres is not None
+        parts.append(["texels", (truth - cube) ** 0.5 * (truth + cube) ** 0.5])
+    on_spheres = row["reads_spheres"] and row["backend"] != "external" and spheres is not None  # of an image alone nobody knows
     if on_spheres and row["geometry"] is not None:
         parts.append(["spheres in place of the mesh", row["geometry"]])
     own = spheres if on_spheres else cube if cube is not None and cube < truth else truth

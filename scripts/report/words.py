@@ -64,6 +64,15 @@ def machine_warnings(context: dict) -> list[str]:
     return said
 
 
+def name_warnings(rows: list[dict], figures: dict) -> list[str]:
+    """Figures name rows as this version does; a file of an older one may call them otherwise."""
+    names = {row["name"] for row in rows}
+    derived = [name for scene in figures.get("scenes") or [] for name in (scene.get("rows") or [])]
+    lost = sum(name not in names for name in derived)
+    return [] if not lost else [f"{lost} rows have names of another version of penumbra: frontiers, speed-ups and the table of the fastest "
+                                "leave them out. `penumbra report --figures` prints these."]
+
+
 def load_text(context: dict) -> str:
     load = context.get("load_avg")
     if not isinstance(load, list) or not load:

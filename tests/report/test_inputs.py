@@ -59,16 +59,44 @@ class Inputs(BrowserCase):
         document = json.loads((folder / "results.json").read_text())
         document["rows"][2]["image"] = "../../../etc/passwd"
         document["rows"][3]["image"] = "/etc/passwd"
+        document["rows"][4]["image"] = "images/" + "a" * 5000
         write_json(folder / "results.json", document)
         self.assertEqual(run_report(folder).returncode, 0)
         lamp = next(k for k, r in enumerate(made.lists["rows"]) if r["scene"] == "lamp" and r.get("image"))
         page = self.open(folder / "report.html", f"#picked={lamp}")
         page.locator("header details summary").click()
         said = page.locator("header details").inner_text()
-        for text in ("is missing", "cannot be read", "lies outside of the folder of results", "no image was kept"):
+        for text in ("is missing", "cannot be read", "lies outside of the folder of results", "no image was kept", "cannot be looked for"):
             self.assertIn(text, said)
         self.drawn(page, "#scene-1 .plot")
         self.assertIn("is missing", page.locator("#scene-1 .picked").inner_text())
+
+    def test_what_is_made_of_an_image_alone(self):
+        """Of an external image nobody knows whether it saw spheres; what is left out, and errors of any size, give a page."""
+        made = small_run()
+        folder = made.write(self.fresh("external"))
+        document = json.loads((folder / "results.json").read_text())
+        row = document["rows"][0]
+        row["backend"], row["reads_spheres"] = "external", True
+        errors = {rung: dict(row["errors"]["truth"]) for rung in ("truth", "cube", "spheres")}
+        for rung, value in (("truth", 0.00744), ("cube", 0.015), ("spheres", 0.0241)):
+            errors[rung]["rel_rmse"] = value
+        row["errors"] = errors
+        document["rows"][1]["errors"]["truth"]["rel_rmse"] = 1e300
+        write_json(folder / "results.json", document)
+        figures = json.loads((folder / "figures.json").read_text())
+        figures["scenes"][0]["rows"].append("of another version")
+        write_json(folder / "figures.json", figures)
+        target = folder / "target.html"
+        target.write_text("before")
+        (folder / "report.html").symlink_to(target)
+        done = run_report(folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("<html", target.read_text()[:500])  # where the link leads
+        page = self.open(folder / "report.html")
+        parts = page.evaluate("report.data.rows[0].parts")
+        self.assertEqual([[name, round(value, 5)] for name, value in parts], [["the technique itself", 0.00744]])
+        self.assertIn("names of another version", page.locator("header").inner_text())
 
     def test_no_images_at_all(self):
         made = made_results.Made()

@@ -62,5 +62,6 @@ class Paper(unittest.TestCase):
 
     def test_no_text_becomes_a_command(self):
         self.assertEqual(paper.tex("\\input{x}%\n$&"), r"\textbackslash{}input\{x\}\% \$\&")
+        self.assertEqual([paper.tex(text) for text in ("[ours]", "*", "a[b]*")], ["{}[ours]", "{}*", "a[b]*"])
         taken = set()
         self.assertEqual([paper.slug("../../x", taken), paper.slug("x", taken), paper.slug("!", taken)], ["x", "x-2", "unnamed"])
