@@ -115,11 +115,6 @@ class Adaptive : public FilteredVisibility {
 class AdaptiveSimd final : public Packets<Adaptive> {
  public:
   using Packets::Packets;
-  Footprint footprint() const override {
-    Footprint all = Packets::footprint();
-    all.per_frame += bits_.bytes();
-    return all;
-  }
 
  protected:
   void filter() override {
@@ -145,8 +140,6 @@ class AdaptiveSimd final : public Packets<Adaptive> {
       if (bits_.mixed(x, y)) visibility_[i] = bits_.count(x, y, r).mean();
     }
   }
-
-  SurfaceBits bits_;
 };
 
 }  // namespace

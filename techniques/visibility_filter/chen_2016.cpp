@@ -36,11 +36,6 @@ class Fixed : public FilteredVisibility {
 class FixedSimd final : public Packets<Fixed> {
  public:
   using Packets::Packets;
-  Footprint footprint() const override {
-    Footprint all = Packets::footprint();
-    all.per_frame += bits_.bytes();
-    return all;
-  }
 
  protected:
   void filter() override {
@@ -52,9 +47,6 @@ class FixedSimd final : public Packets<Fixed> {
                                                                      : float(pixels_.open[i]);
     });
   }
-
- private:
-  SurfaceBits bits_;
 };
 
 }  // namespace

@@ -52,16 +52,23 @@ Entry entry_of_filter(const char* name, const char* summary, const char* citatio
 void trace_packets(const RayScene& rays, const Receivers& receivers, vec3 centre, PixelMap& pixels);
 void find_unshadowed_vectors(const LampOutline& lamp, const Receivers& receivers, float* factor);
 
-/// `Scalar` with packets of rays and vectors of receivers.
+/// `Scalar` with packets of rays, vectors of receivers, and bits to filter with.
 template <class Scalar>
 class Packets : public Scalar {
  public:
   using Scalar::Scalar;
   std::string instruction_set() const override { return instruction_set_of_kernels(); }
+  Footprint footprint() const override {
+    Footprint all = Scalar::footprint();
+    all.per_frame += bits_.bytes();
+    return all;
+  }
 
  protected:
   void trace() override { trace_packets(this->rays_, *this->receivers_, this->lamp_.centre, this->pixels_); }
   void find_unshadowed() override { find_unshadowed_vectors(this->lamp_, *this->receivers_, this->unshadowed_.data()); }
+
+  SurfaceBits bits_;
 };
 
 }  // namespace penumbra::visibility_filter
