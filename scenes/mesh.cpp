@@ -47,6 +47,17 @@ ImportedMesh widened(const Mesh& mesh) {
   return out;
 }
 
+void append(Mesh& mesh, const Mesh& part) {
+  const auto first = unsigned(mesh.positions.size());
+  const bool shaded = !mesh.normals.empty() || !part.normals.empty();
+  if (shaded) mesh.normals.resize(mesh.positions.size(), vec3(0.0f));
+  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  mesh.normals.insert(mesh.normals.end(), part.normals.begin(), part.normals.end());
+  if (shaded) mesh.normals.resize(mesh.positions.size(), vec3(0.0f));
+  mesh.triangles.reserve(mesh.triangles.size() + part.triangles.size());
+  for (const uvec3& t : part.triangles) mesh.triangles.push_back(t + first);
+}
+
 Mesh load_mesh(const std::string& path) {
   Mesh mesh = narrowed(import_mesh(path));
   validate(mesh, path);

@@ -47,6 +47,9 @@ ImportedMesh widened(const Mesh& mesh);
 /// thousandth of their longest edge.
 std::size_t count_coarse(const Mesh& mesh);
 
+/// Adds another mesh that is counted from the same origin. Where only one has normals, the other's are zero.
+void append(Mesh& mesh, const Mesh& part);
+
 /// A file's mesh (scenes/import/import.h) about an origin of its own. Throws Error.
 Mesh load_mesh(const std::string& path);
 

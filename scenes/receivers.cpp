@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -76,11 +77,13 @@ Receivers on_vertices(const Mesh& mesh) {
   return r;
 }
 
-/// What a pixel of a camera shows.
+/// What a pixel of a camera shows: the mesh, the ground, or what a mirror shows of these.
 class PixelFinder {
  public:
-  PixelFinder(const Camera& camera, const Mesh& mesh, const RayScene& rays)
-      : camera_(camera), mesh_(mesh), rays_(rays), normals_(vertex_normals(mesh)) {
+  /// `mesh` is what is seen as itself, without mirrors; `rays` are of it.
+  PixelFinder(const Camera& camera, const std::vector<Mirror>& mirrors, const Mesh& mesh, const RayScene& rays)
+      : camera_(camera), mirrors_(mirrors), mesh_(mesh), rays_(rays), normals_(vertex_normals(mesh)) {
+    if (!mirrors.empty()) origins_.emplace(mesh, rays);
     forward_ = glm::normalize(camera.target - camera.eye);
     right_ = glm::normalize(glm::cross(forward_, std::abs(forward_.y) > 0.999f ? vec3(0, 0, -1) : vec3(0, 1, 0)));
     up_ = glm::cross(right_, forward_);
@@ -89,54 +92,96 @@ class PixelFinder {
 
   /// Fills receiver (x, y) and the side of its surface that is seen.
   void find(int x, int y, Receivers& r, vec3& side) const {
-    const vec3 towards = direction(x, y);
     const std::size_t k = std::size_t(y) * r.width + x;
-    const Hit hit = rays_.intersect(camera_.eye, towards);
-    const float ground = camera_.has_ground ? (camera_.ground - camera_.eye.y) / towards.y : -1.0f;
-    // A mesh that has a ground of its own at the same height is the ground: which of them is nearer is rounding.
-    if (ground > 0.0f && std::isfinite(ground) && ground < hit.distance * (1.0f + 1e-5f)) {
-      r.view_depth[k] = ground;
-      r.position[k] = camera_.eye + ground * towards;
-      r.position[k].y = camera_.ground;
-      r.normal[k] = side = {0, 1, 0};
-    } else if (hit) {
-      place_on_mesh(hit, towards, r, k, side);
-    }
+    const Sight first = look(camera_.eye, direction(x, y));
+    // A mirror that lies on a surface hides it: which of them is nearer is rounding.
+    const auto mirror = nearest_mirror(mirrors_, camera_.eye, first.towards, same * first.distance);
+    if (!mirror) return place(first, 0.0f, r, k, side);
+    const Reflection& at = mirror->at;
+    const Sight second = look(at.point + origins_->contact(at.point).distance * at.normal, at.direction);
+    if (!meets_another(*mirror, second)) place(second, at.distance, r, k, side);
   }
 
  private:
+  /// What lies on a ray: the mesh where `hit` says so, else the ground, else nothing.
+  struct Sight {
+    vec3 from, towards;
+    float distance;
+    Hit hit;
+  };
+
+  Sight look(vec3 from, vec3 towards) const {
+    Sight sight{from, towards, 0.0f, rays_.intersect(from, towards)};
+    sight.distance = sight.hit.distance;
+    const float ground = camera_.has_ground ? (camera_.ground - from.y) / towards.y : -1.0f;
+    // A mesh that has a ground of its own at the same height is the ground: which of them is nearer is rounding.
+    if (ground > 0.0f && std::isfinite(ground) && ground < sight.distance * same) {
+      sight.distance = ground;
+      sight.hit.distance = std::numeric_limits<float>::infinity();
+    }
+    return sight;
+  }
+
+  /// Light is followed through one mirror. A mirror does not see itself, but from within a ball.
+  bool meets_another(const Mirrored& mirror, const Sight& second) const {
+    for (std::size_t i = 0; i < mirrors_.size(); ++i) {
+      const auto* ball = std::get_if<Sphere>(&mirrors_[i].shape);
+      const bool within = ball && glm::distance(camera_.eye, ball->centre) < ball->radius;
+      if (i == mirror.mirror && !within) continue;
+      const auto at = meet(mirrors_[i], mirror.at.point, mirror.at.direction);
+      if (at && at->distance <= same * second.distance) return true;
+    }
+    return false;
+  }
+
+  void place(const Sight& sight, float before, Receivers& r, std::size_t k, vec3& side) const {
+    if (!std::isfinite(sight.distance)) return;
+    r.view_depth[k] = before + sight.distance;
+    if (sight.hit) return place_on_mesh(sight, r, k, side);
+    r.position[k] = sight.from + sight.distance * sight.towards;
+    r.position[k].y = camera_.ground;
+    r.normal[k] = side = {0, 1, 0};
+  }
+
   vec3 direction(int x, int y) const {
     const float px = (2.0f * (float(x) + 0.5f) - float(camera_.width)) / float(camera_.height) * scale_;
     const float py = (1.0f - 2.0f * (float(y) + 0.5f) / float(camera_.height)) * scale_;
     return glm::normalize(forward_ + px * right_ + py * up_);
   }
 
-  void place_on_mesh(const Hit& hit, vec3 towards, Receivers& r, std::size_t k, vec3& side) const {
+  void place_on_mesh(const Sight& sight, Receivers& r, std::size_t k, vec3& side) const {
+    const Hit& hit = sight.hit;
     const uvec3 t = mesh_.triangles[hit.triangle];
     const dvec3 a = mesh_.positions[t.x], b = mesh_.positions[t.y], c = mesh_.positions[t.z];
     const double u = hit.u, v = hit.v, w = 1.0 - u - v;
-    r.view_depth[k] = hit.distance;
     r.position[k] = vec3(w * a + u * b + v * c);
     r.on_occluder[k] = 1;
     side = vec3(glm::normalize(glm::cross(b - a, c - a)));
     vec3 n = float(w) * normals_[t.x] + hit.u * normals_[t.y] + hit.v * normals_[t.z];
     if (glm::dot(n, n) == 0.0f) n = side;
     if (mesh_.normals.empty() && glm::dot(n, side) <= 0.0f) n = side;  // a wall of two sides whose means cancel
-    if (glm::dot(side, towards) > 0.0f) side = -side, n = -n;          // a back face
+    if (glm::dot(side, sight.towards) > 0.0f) side = -side, n = -n;    // a back face
     r.normal[k] = glm::normalize(n);
   }
 
+  static constexpr float same = 1.0f + 1e-5f;  ///< up to which distances differ by rounding alone
+
   const Camera& camera_;
+  const std::vector<Mirror>& mirrors_;
   const Mesh& mesh_;
   const RayScene& rays_;
+  std::optional<RayOrigins> origins_;  ///< where rays leave a mirror
   std::vector<vec3> normals_;
   vec3 forward_, right_, up_;
   float scale_;
 };
 
-Receivers through_camera(const Camera& camera, const Mesh& mesh) {
-  const RayScene rays(mesh);
-  const PixelFinder finder(camera, mesh, rays);
+Receivers through_camera(const Camera& camera, const std::vector<Mirror>& mirrors, const Mesh& mesh) {
+  const bool blocked_by_mirrors = std::any_of(mirrors.begin(), mirrors.end(), [](const Mirror& m) { return m.shadow; });
+  const Mesh without = blocked_by_mirrors ? without_mirrors(mesh, mirrors) : Mesh{};
+  const RayScene rays(mesh), rays_without(without);
+  const PixelFinder finder(camera, mirrors, blocked_by_mirrors ? without : mesh,
+                           blocked_by_mirrors ? rays_without : rays);
   Receivers r;
   r.width = camera.width;
   r.height = camera.height;
@@ -172,7 +217,7 @@ Receivers subset(const Receivers& all, const std::vector<std::size_t>& which, in
 Receivers make_receivers(const ReceiverSpec& spec, const Mesh& mesh) {
   Receivers r;
   if (const auto* plane = std::get_if<PlaneGrid>(&spec.kind)) r = on_plane(*plane, mesh);
-  else if (const auto* camera = std::get_if<Camera>(&spec.kind)) r = through_camera(*camera, mesh);
+  else if (const auto* camera = std::get_if<Camera>(&spec.kind)) r = through_camera(*camera, spec.mirrors, mesh);
   else r = on_vertices(mesh);
   r.albedo.assign(r.position.size(), spec.albedo);
   return r;

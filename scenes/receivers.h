@@ -4,7 +4,7 @@
 #include <variant>
 #include <vector>
 
-#include "scenes/mesh.h"
+#include "scenes/mirror.h"
 
 namespace penumbra {
 
@@ -16,7 +16,7 @@ struct Receivers {
   std::vector<vec3> position, normal, albedo;
   std::vector<vec3> origin;               ///< where rays from the point start (scenes/ray_origins.h)
   std::vector<std::uint8_t> touches;      ///< 1 where the point lies on a triangle of the mesh, be it its own or not
-  std::vector<float> view_depth;          ///< distance to the camera, m; infinity where nothing is seen; camera only
+  std::vector<float> view_depth;          ///< length of the path from the camera, m; infinity where nothing is seen
   std::vector<std::uint8_t> on_occluder;  ///< 1 where the point lies on the mesh: its own spheres are skipped there
 
   int size() const { return width * height; }
@@ -45,6 +45,7 @@ struct Camera {
 struct ReceiverSpec {
   std::variant<PlaneGrid, MeshVertices, Camera> kind;
   vec3 albedo{1.0f};
+  std::vector<Mirror> mirrors;  ///< that a camera sees; those that block light end the mesh (add_mirrors)
 };
 
 /// Fills origin and touches; `side` holds unit geometric normals on the side that is shaded, `rays` are of the mesh.
@@ -54,7 +55,9 @@ void place_ray_origins(Receivers& r, const std::vector<vec3>& side, const Mesh& 
 /// The receivers that `which` lists, as width x height; view depths and all else come along.
 Receivers subset(const Receivers& all, const std::vector<std::size_t>& which, int width, int height);
 
-/// Positions receivers and their rays' origins; camera pixels are found by Embree primary rays through pixel centres.
+/// Positions receivers and their rays' origins; camera pixels are found by Embree primary rays through pixel centres. A
+/// pixel that shows a mirror has its receiver where the reflected ray first meets something; behind a second mirror
+/// nothing is seen.
 /// Receivers on the mesh are shaded with its normals, and on the side that the camera sees or the triangles face.
 Receivers make_receivers(const ReceiverSpec& spec, const Mesh& mesh);
 

@@ -16,6 +16,11 @@ vec3 axis_of(const Motion& motion) {
   return {motion.centre.x, 0.0f, motion.centre.z};
 }
 
+/// Of what swings about its rest.
+float swing(const Motion& motion, int index) {
+  return motion.amount * float(std::sin(2.0 * pi * index / motion.period));
+}
+
 /// Where a point of the rest shape goes.
 vec3 moved(const Motion& motion, const Bounds& rest, vec3 p, float angle) {
   const float height = std::max(rest.extent().y, 1e-20f), up = p.y - rest.low.y, h = up / height;
@@ -58,8 +63,14 @@ Animation::Animation(const Scene& scene) : scene_(scene), rest_(bounds(scene.mes
   if (!mesh_.empty() && !spheres_.empty()) carrier_ = SphereCarrier(mesh_, spheres_, scene.motion.carry);
 }
 
-bool Animation::deforms() const {
-  return scene_.motion.kind != Motion::Kind::none && scene_.motion.kind != Motion::Kind::rotate_light;
+ReceiverSpec Animation::receiver_spec(int index) const {
+  ReceiverSpec spec = scene_.receiver_spec;
+  auto* camera = std::get_if<Camera>(&spec.kind);
+  if (!camera || !scene_.motion.moves_camera()) return spec;
+  const float by = swing(scene_.motion, index);
+  const vec3 away = camera->eye - camera->target;
+  camera->eye = camera->target + (scene_.motion.kind == Motion::Kind::orbit ? turn_y(away, by) : std::exp(by) * away);
+  return spec;
 }
 
 Frame Animation::frame(int index) {
@@ -79,7 +90,7 @@ Frame Animation::frame(int index) {
     }
   } else if (deforms()) {
     changed.mesh = changed.spheres = true;
-    const float angle = motion.amount * float(std::sin(2.0 * pi * index / motion.period));
+    const float angle = swing(motion, index);
     for (std::size_t i = 0; i < mesh_.positions.size(); ++i)
       mesh_.positions[i] = moved(motion, rest_, scene_.mesh.positions[i], angle);
     for (std::size_t i = 0; i < mesh_.normals.size(); ++i)
@@ -92,6 +103,10 @@ Frame Animation::frame(int index) {
       changed.receivers = true;
       receivers_ = make_receivers(scene_.receiver_spec, mesh_);
     }
+  }
+  if (motion.moves_camera()) {
+    changed.receivers = true;
+    receivers_ = make_receivers(receiver_spec(index), scene_.mesh);
   }
   return {double(index),
           changed.mesh ? mesh_ : scene_.mesh,

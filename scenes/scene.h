@@ -10,15 +10,19 @@
 
 namespace penumbra {
 
-/// Periodic motion; phase = sin(2 pi frame / period) for shapes, frame / period for lights.
+/// Periodic motion; phase = sin(2 pi frame / period) for shapes and cameras, frame / period for lights.
 struct Motion {
-  enum class Kind { none, twist, bend, rigid, rotate_light };
+  enum class Kind { none, twist, bend, rigid, rotate_light, orbit, dolly };
   Kind kind = Kind::none;
-  float amount = 0.0f;   ///< radians: largest angle at the top (twist, bend), largest angle (rigid), per period (light)
+  /// Radians: largest angle at the top (twist, bend), largest angle (rigid, orbit), per period (light). Dolly: natural
+  /// logarithm of the eye's largest distance to its target over that at rest.
+  float amount = 0.0f;
   float period = 16.0f;  ///< frames
   int frames = 1;        ///< how many frames a run walks through
   Carry carry = Carry::rigid;
   vec3 centre{0.0f};  ///< shapes and lamps turn about the vertical axis through it
+  bool moves_occluder() const { return kind == Kind::twist || kind == Kind::bend || kind == Kind::rigid; }
+  bool moves_camera() const { return kind == Kind::orbit || kind == Kind::dolly; }
 };
 
 /// Rest state of everything. Techniques receive it once, in prepare(). All of it is counted from `origin`, which lies
@@ -61,7 +65,9 @@ class Animation {
   Frame frame(int index);
   const Scene& scene() const { return scene_; }
   /// Does the motion move the occluder?
-  bool deforms() const;
+  bool deforms() const { return scene_.motion.moves_occluder(); }
+  /// The scene's receivers as they are asked for in a frame: a camera may move.
+  ReceiverSpec receiver_spec(int index) const;
   int frames() const { return scene_.motion.kind == Motion::Kind::none ? 1 : scene_.motion.frames; }
 
  private:

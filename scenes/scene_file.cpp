@@ -1,7 +1,5 @@
 #include "scenes/scene_file.h"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -9,14 +7,12 @@
 #include "scenes/assets.h"
 #include "scenes/log.h"
 #include "scenes/names.h"
+#include "scenes/receivers_file.h"
+#include "scenes/scene_keys.h"
 #include "scenes/shapes.h"
-#include "scenes/toml_reader.h"
 
 namespace penumbra {
 namespace {
-
-constexpr double huge = 1e12;
-constexpr double tiny = 1e-9;
 
 /// Asset name or path relative to the scene file; the key's place is put before whatever goes wrong.
 std::string resolve(const TomlReader& at, const std::string& key, const std::string& name, const std::string& kind,
@@ -40,14 +36,6 @@ auto at_key(const TomlReader& at, const std::string& key, Load load) {
   } catch (const Error& e) {
     throw Error("{}: key '{}': {}", at.where(key), at.name(key), e.what());
   }
-}
-
-/// A place or an edge. Farther out the square of a distance is no float.
-std::optional<dvec3> read_place(TomlReader& at, const std::string& key) {
-  const auto v = at.point(key);
-  if (v && glm::any(glm::greaterThan(glm::abs(*v), dvec3(huge))))
-    at.fail(key, fmt::format("holds a number outside [{}, {}]", -huge, huge));
-  return v;
 }
 
 Objective read_objective(TomlReader& at) {
@@ -131,7 +119,7 @@ Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& o
   Occluder occluder;
   const std::string name = at.required("mesh", at.text("mesh"), "an asset name, a path or a shape");
   const auto seed = at.integer("seed", 0, 1 << 30);
-  if (seed && name != "primitives") at.fail("seed", "is for the shape primitives");
+  if (seed && !has_seed(name)) at.fail("seed", "is for the shapes primitives and foliage");
   if (Mesh shape; make_shape(name, shape, unsigned(seed.value_or(1)))) {
     occluder.mesh = widened(shape);
   } else {
@@ -160,91 +148,6 @@ Occluder read_occluder(TomlReader at, const SphereChoice& choice, std::string& o
   return occluder;
 }
 
-/// The one key of `kinds` that is there.
-std::string exactly_one(TomlReader& at, const std::vector<std::string>& kinds) {
-  std::vector<std::string> found;
-  for (const auto& kind : kinds)
-    if (at.has(kind)) found.push_back(kind);
-  if (found.size() != 1)
-    throw Error("{}: [{}] has {}; exactly one of {} is allowed", at.where(found.size() > 1 ? found[1] : ""),
-                at.name("").substr(0, at.name("").size() - 1),
-                found.empty() ? "no kind" : fmt::format("{}", fmt::join(found, " and ")), fmt::join(kinds, ", "));
-  return found[0];
-}
-
-PlaneGrid read_plane(TomlReader in, dvec3& origin) {
-  PlaneGrid plane;
-  const double half_extent = in.required("half_extent", in.number("half_extent", tiny, huge), "metres");
-  plane.half_extent = float(half_extent);
-  plane.resolution = in.required("resolution", in.integer("resolution", 1, 4096), "receivers along an edge");
-  if (in.has("centre") && in.has("y")) in.fail("y", "is part of the centre");
-  const dvec3 centre = read_place(in, "centre").value_or(dvec3(0.0, in.number("y", -huge, huge).value_or(0.0), 0.0));
-  origin = local_origin(centre, half_extent);
-  const vec3 local(centre - origin);
-  plane.x = local.x, plane.y = local.y, plane.z = local.z;
-  in.finish();
-  return plane;
-}
-
-Camera read_camera(TomlReader in, dvec3& origin) {
-  Camera camera;
-  const dvec3 eye = in.required("eye", read_place(in, "eye"), "[x, y, z]");
-  const dvec3 target = in.required("target", read_place(in, "target"), "[x, y, z]");
-  if (eye == target) in.fail("target", "is the eye itself");
-  if (const double distance = glm::distance(eye, target); !(distance >= tiny && distance <= huge))
-    in.fail("target", fmt::format("is {} m from the eye; allowed is [{}, {}]", distance, tiny, huge));
-  origin = local_origin(target, glm::distance(eye, target));
-  camera.eye = vec3(eye - origin);
-  camera.target = vec3(target - origin);
-  camera.vertical_fov = float(in.number("vertical_fov", 1.0, 170.0).value_or(45.0));
-  camera.width = in.required("width", in.integer("width", 1, 8192), "pixels");
-  camera.height = in.required("height", in.integer("height", 1, 8192), "pixels");
-  const toml::node* ground = in.node("ground");
-  if (ground && ground->is_boolean()) camera.has_ground = *in.boolean("ground");
-  else camera.ground = float(in.number("ground", -huge, huge).value_or(0.0) - origin.y);
-  in.finish();
-  return camera;
-}
-
-/// The origin of a scene whose receivers are vertices: the median, which a few parts far away do not move.
-dvec3 origin_of(const ImportedMesh& mesh) {
-  dvec3 middle, spread;
-  std::vector<double> values(mesh.positions.size());
-  const auto median = [&](int c, const auto& value) {
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(mesh.positions[i][c]);
-    const auto at = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-  };
-  for (int c = 0; c < 3; ++c) {
-    middle[c] = median(c, [](double x) { return x; });
-    spread[c] = median(c, [&](double x) { return std::abs(x - middle[c]); });
-  }
-  return local_origin(middle, 2.0 * std::max({spread.x, spread.y, spread.z}));
-}
-
-ReceiverSpec read_receivers(TomlReader at, const ImportedMesh& mesh, dvec3& origin) {
-  ReceiverSpec spec;
-  const std::string kind = exactly_one(at, {"plane", "vertices", "camera"});
-  if (kind == "plane") {
-    spec.kind = read_plane(*at.table("plane"), origin);
-  } else if (kind == "camera") {
-    spec.kind = read_camera(*at.table("camera"), origin);
-  } else {
-    if (!*at.boolean("vertices")) at.fail("vertices", "must be true, or absent");
-    if (mesh.triangles.empty()) at.fail("vertices", "asks for vertices, but the occluder has no mesh");
-    spec.kind = MeshVertices{};
-    origin = origin_of(mesh);
-  }
-  if (const auto albedo = at.vector("albedo")) {
-    if (glm::any(glm::lessThan(*albedo, vec3(0.0f))) || glm::any(glm::greaterThan(*albedo, vec3(1.0f))))
-      at.fail("albedo", "must lie in [0, 1]");
-    spec.albedo = *albedo;
-  }
-  at.finish();
-  return spec;
-}
-
 Layout read_layout(TomlReader& at) {
   const auto mapping = at.text("mapping");
   if (!mapping) return Layout::automatic;
@@ -255,15 +158,6 @@ Layout read_layout(TomlReader& at) {
   for (const auto& [name, layout] : names)
     if (*mapping == name) return layout;
   at.fail("mapping", "is '" + *mapping + "'; allowed are lat-long, cross, strip, angular");
-}
-
-/// A direction of any length but 0, as a unit vector: lengths that no float holds are fine.
-std::optional<vec3> read_direction(TomlReader& at, const std::string& key) {
-  const auto v = at.point(key);
-  if (!v) return {};
-  const double largest = std::max({std::abs(v->x), std::abs(v->y), std::abs(v->z)});
-  if (largest == 0.0) at.fail(key, "must not be zero");
-  return vec3(glm::normalize(*v / largest));
 }
 
 AreaLight read_area_light(TomlReader at, dvec3 origin) {
@@ -308,17 +202,18 @@ Light read_light(TomlReader at, dvec3 origin) {
 }
 
 Motion read_motion(TomlReader at, dvec3 origin) {
-  const std::pair<const char*, Motion::Kind> names[] = {{"twist", Motion::Kind::twist},
-                                                        {"bend", Motion::Kind::bend},
-                                                        {"rigid", Motion::Kind::rigid},
-                                                        {"rotate-light", Motion::Kind::rotate_light}};
+  const std::pair<const char*, Motion::Kind> names[] = {
+      {"twist", Motion::Kind::twist}, {"bend", Motion::Kind::bend},
+      {"rigid", Motion::Kind::rigid}, {"rotate-light", Motion::Kind::rotate_light},
+      {"orbit", Motion::Kind::orbit}, {"dolly", Motion::Kind::dolly}};
   Motion motion;
-  const std::string kind = at.required("kind", at.text("kind"), "twist, bend, rigid or rotate-light");
+  const std::string kind = at.required("kind", at.text("kind"), "twist, bend, rigid, rotate-light, orbit or dolly");
   for (const auto& [name, value] : names)
     if (kind == name) motion.kind = value;
   if (motion.kind == Motion::Kind::none)
-    at.fail("kind", "is '" + kind + "'; allowed are twist, bend, rigid, rotate-light");
-  motion.amount = float(at.number("amount", -100.0, 100.0).value_or(1.0));
+    at.fail("kind", "is '" + kind + "'; allowed are twist, bend, rigid, rotate-light, orbit, dolly");
+  const double most = motion.kind == Motion::Kind::dolly ? 5.0 : 100.0;  // e^5 times as far
+  motion.amount = float(at.number("amount", -most, most).value_or(1.0));
   motion.period = float(at.number("period", 1.0, huge).value_or(16.0));
   motion.frames = at.integer("frames", 1, 100000).value_or(16);
   motion.centre = vec3(read_place(at, "centre").value_or(dvec3(0.0)) - origin);
@@ -351,6 +246,10 @@ Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, co
   scene.receiver_spec = read_receivers(section("receivers"), occluder.mesh, scene.origin);
   scene.light = read_light(section("light"), scene.origin);
   if (auto motion = file.table("motion")) scene.motion = read_motion(*motion, scene.origin);
+  scene.receiver_spec.mirrors = read_mirrors(file, scene.origin);
+  if (scene.motion.moves_camera() && !std::holds_alternative<Camera>(scene.receiver_spec.kind))
+    file.fail("motion", "moves the camera, but the receivers are none");
+  check_mirrors(file, scene, !occluder.spheres.empty() || !scene.objective.empty());
   file.finish();
   scene.mesh = narrowed(occluder.mesh, scene.origin);
   if (!scene.mesh.empty()) validate(scene.mesh, scene.name);
@@ -359,6 +258,7 @@ Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, co
         "{}: {} of {} triangles lie so far from the receivers that single precision rounds their corners by more than "
         "a thousandth of their size",
         scene.name, coarse, scene.mesh.triangles.size());
+  add_mirrors(scene.mesh, scene.receiver_spec.mirrors);
   scene.spheres = narrowed(occluder.spheres, scene.origin);
   scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
   return scene;

@@ -98,12 +98,6 @@ Mesh make_bowl(float radius, int segments) {
 
 namespace {
 
-void append(Mesh& mesh, const Mesh& part) {
-  const auto first = unsigned(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-  for (const uvec3& t : part.triangles) mesh.triangles.push_back(t + first);
-}
-
 /// A box whose faces share no vertices, so that its vertex normals are those of the faces.
 Mesh make_flat_box(vec3 low, vec3 high) {
   const Mesh box = make_box(low, high);
@@ -168,6 +162,10 @@ Mesh make_primitives(unsigned seed, int count) {
   return mesh;
 }
 
+bool has_seed(const std::string& shape) {
+  return shape == "primitives" || shape == "foliage";
+}
+
 bool make_shape(const std::string& name, Mesh& mesh, unsigned seed) {
   if (name == "torus-knot") mesh = make_torus_knot();
   else if (name == "torus") mesh = make_torus(1.0f, 0.4f, 48, 24);
@@ -179,6 +177,7 @@ bool make_shape(const std::string& name, Mesh& mesh, unsigned seed) {
   else if (name == "fence") mesh = make_fence(25, 0.03f);
   else if (name == "two-blockers") mesh = make_two_blockers();
   else if (name == "primitives") mesh = make_primitives(seed);
+  else if (name == "foliage") mesh = make_foliage(seed);
   else if (name == "none") mesh = {};
   else return false;
   return true;

@@ -18,9 +18,13 @@ Mesh make_two_blockers();                    ///< two thin plates that overlap, 
 /// height 2. The same seed gives the same mesh on every machine.
 Mesh make_primitives(unsigned seed, int count = 40);
 
-/// The shapes a scene file may name; false if unknown. The seed is for "primitives".
+/// A shrub of seven stems on y = 0, about 2 high, with some three thousand leaves; closed. The seed as above.
+Mesh make_foliage(unsigned seed);
+
+/// The shapes a scene file may name; false if unknown. The seed is for those that grow from one.
 bool make_shape(const std::string& name, Mesh& mesh, unsigned seed = 1);
+bool has_seed(const std::string& shape);
 inline constexpr const char* shape_names =
-    "torus-knot, torus, sphere, resting-sphere, box, bowl, still-life, fence, two-blockers, primitives, none";
+    "torus-knot, torus, sphere, resting-sphere, box, bowl, still-life, fence, two-blockers, primitives, foliage, none";
 
 }  // namespace penumbra

@@ -80,15 +80,20 @@ std::string spheres_text(const SceneOutline& outline) {
   return fmt::format("{}{}", outline.spheres, outline.fitted() ? ", fitted for " + outline.objective : ", given");
 }
 
+std::string mirrors_text(const ReceiverSpec& spec) {
+  const std::size_t count = spec.mirrors.size();
+  return count == 0 ? "" : fmt::format(", with {} mirror{}", count, count == 1 ? "" : "s");
+}
+
 std::string receivers_text(const Scene& scene) {
   const Receivers& r = scene.receivers;
   const std::string count = fmt::format("{} x {} = {}", r.width, r.height, r.size());
   if (const auto* plane = std::get_if<PlaneGrid>(&scene.receiver_spec.kind))
     return fmt::format("{} on a horizontal square {:.4g} m wide", count, 2.0 * double(plane->half_extent));
   if (const auto* camera = std::get_if<Camera>(&scene.receiver_spec.kind))
-    return fmt::format("{} pixels of a camera at {}, looking at {}", count,
+    return fmt::format("{} pixels of a camera at {}, looking at {}{}", count,
                        vector_text(vec3(dvec3(camera->eye) + scene.origin)),
-                       vector_text(vec3(dvec3(camera->target) + scene.origin)));
+                       vector_text(vec3(dvec3(camera->target) + scene.origin)), mirrors_text(scene.receiver_spec));
   return fmt::format("{}, the vertices of the mesh", r.size());
 }
 
@@ -104,7 +109,9 @@ std::string light_text(const Scene& scene, const std::string& environment) {
 
 std::string motion_text(const Motion& motion, const std::string& kind) {
   if (motion.kind == Motion::Kind::none) return "none";
-  return fmt::format("{} by {:.3g} rad, period {:.4g} frames, {} frames", kind, motion.amount, motion.period,
+  const bool dolly = motion.kind == Motion::Kind::dolly;
+  return fmt::format("{} by {:.3g} {}, period {:.4g} frames, {} frames", kind,
+                     dolly ? std::exp(motion.amount) : motion.amount, dolly ? "times" : "rad", motion.period,
                      motion.frames);
 }
 

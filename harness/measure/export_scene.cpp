@@ -69,7 +69,18 @@ json kind_of(const ReceiverSpec& spec) {
   return {{"kind", "vertices"}};
 }
 
-json export_receivers(const Scene& scene, const Receivers& r, const std::string& directory) {
+json mirror_json(const Mirror& mirror) {
+  if (const auto* ball = std::get_if<Sphere>(&mirror.shape))
+    return {{"kind", "sphere"}, {"centre", numbers(ball->centre)}, {"radius", ball->radius}, {"shadow", mirror.shadow}};
+  const auto& plane = std::get<MirrorPlane>(mirror.shape);
+  return {{"kind", "plane"},
+          {"centre", numbers(plane.centre)},
+          {"edge_u", numbers(plane.edge_u)},
+          {"edge_v", numbers(plane.edge_v)},
+          {"shadow", mirror.shadow}};
+}
+
+json export_receivers(const ReceiverSpec& spec, const Receivers& r, const std::string& directory) {
   ChannelImage image{r.width, r.height, {}, {}, {}};
   for (const char* layer : {"P", "N"})
     for (const char* axis : {".X", ".Y", ".Z"}) image.channels.push_back(std::string(layer) + axis);
@@ -83,7 +94,7 @@ json export_receivers(const Scene& scene, const Receivers& r, const std::string&
             {"x", "y", "z", "nx", "ny", "nz", "albedo_r", "albedo_g", "albedo_b", "ray_x", "ray_y", "ray_z"},
             image.values, {});
   const std::vector<bool> valid = valid_receivers(r);
-  json out = kind_of(scene.receiver_spec);
+  json out = kind_of(spec);
   out["files"] = {"receivers.exr", "receivers.ply"};
   out["order"] = "row-major, row 0 on top: point number y * width + x is pixel (x, y)";
   out["valid"] = std::count(valid.begin(), valid.end(), true);
@@ -143,7 +154,8 @@ void export_scene(const Animation& animation, const Frame& frame, const std::str
   out["origin_means"] = "add it to coordinates of this folder for those of the scene's file";
   out["formula"] = "B = albedo / pi * integral over all directions w of L(w) V(w) max(0, dot(normal, w)) dw";
   out["image"] = {{"width", r.width}, {"height", r.height}, {"channels", "R, G, B: B of the formula, not exposed"}};
-  out["receivers"] = export_receivers(scene, r, directory);
+  out["receivers"] = export_receivers(animation.receiver_spec(int(frame.time)), r, directory);
+  for (const Mirror& mirror : scene.receiver_spec.mirrors) out["mirrors"].push_back(mirror_json(mirror));
   out["mesh"] = export_mesh(frame.mesh, directory);
   out["spheres"] = export_spheres(frame.spheres, directory);
   const Environment* environment = environment_of(frame.light);

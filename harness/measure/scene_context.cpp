@@ -164,7 +164,7 @@ double SceneContext::view_ms(int threads) const {
   for (int k = 0; k < 3; ++k)
     tbb::task_arena(threads).execute([&] {
       clock.start();
-      make_receivers(scene_.receiver_spec, frame_.mesh);
+      make_receivers(animation_.receiver_spec(int(frame_.time)), frame_.mesh);
       samples.push_back(clock.lap());
     });
   return at->second = median(samples);

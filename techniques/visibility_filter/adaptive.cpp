@@ -36,9 +36,16 @@ vec3 extent_of_seen(const Receivers& r) {
 
 /// Of the pixels that were filtered.
 struct Widths {
-  std::size_t filtered = 0;
-  int widest = 0;
-  void note(int r) { filtered += 1, widest = std::max(widest, 2 * r + 1); }
+  std::size_t filtered = 0, sum = 0;
+  int narrowest = 0, widest = 0;
+  void note(int r) { add({1, std::size_t(2 * r + 1), 2 * r + 1, 2 * r + 1}); }
+  void add(const Widths& other) {
+    narrowest = filtered == 0         ? other.narrowest
+                : other.filtered == 0 ? narrowest
+                                      : std::min(narrowest, other.narrowest);
+    widest = std::max(widest, other.widest);
+    filtered += other.filtered, sum += other.sum;
+  }
 };
 
 class Adaptive : public FilteredVisibility {
@@ -56,7 +63,10 @@ class Adaptive : public FilteredVisibility {
   }
 
   std::map<std::string, std::size_t> counters() const override {
-    return {{"filtered", widths_.filtered}, {"widest", std::size_t(widths_.widest)}};
+    return {{"filtered", widths_.filtered},
+            {"narrowest", std::size_t(widths_.narrowest)},
+            {"widest", std::size_t(widths_.widest)},
+            {"sum_of_widths", widths_.sum}};
   }
 
  protected:
@@ -124,8 +134,7 @@ class AdaptiveSimd final : public Packets<Adaptive> {
       for (int y = begin; y < end; ++y) filter_row(y, rows[y]);
     });
     widths_ = {};
-    for (const Widths& row : rows)
-      widths_.filtered += row.filtered, widths_.widest = std::max(widths_.widest, row.widest);
+    for (const Widths& row : rows) widths_.add(row);
   }
 
  private:

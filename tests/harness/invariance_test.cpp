@@ -28,14 +28,14 @@ std::string text(dvec3 p) {
 }
 
 std::string write_obj(const Scene& scene, const Placement& place, const test::TemporaryFolder& folder) {
+  const Mesh mesh = without_mirrors(scene.mesh, scene.receiver_spec.mirrors);
   std::string obj;
-  for (const vec3& p : scene.mesh.positions) {
+  for (const vec3& p : mesh.positions) {
     const dvec3 q = place(scene.origin + dvec3(p));
     obj += fmt::format("v {:.17g} {:.17g} {:.17g}\n", q.x, q.y, q.z);
   }
-  for (const vec3& n : vertex_normals(scene.mesh)) obj += fmt::format("vn {:.9g} {:.9g} {:.9g}\n", n.x, n.y, n.z);
-  for (const uvec3& t : scene.mesh.triangles)
-    obj += fmt::format("f {0}//{0} {1}//{1} {2}//{2}\n", t.x + 1, t.y + 1, t.z + 1);
+  for (const vec3& n : vertex_normals(mesh)) obj += fmt::format("vn {:.9g} {:.9g} {:.9g}\n", n.x, n.y, n.z);
+  for (const uvec3& t : mesh.triangles) obj += fmt::format("f {0}//{0} {1}//{1} {2}//{2}\n", t.x + 1, t.y + 1, t.z + 1);
   return folder.write("mesh.obj", obj);
 }
 
@@ -63,6 +63,21 @@ std::string light_text(const Scene& scene, const Placement& place) {
                      text(place.scale * dvec3(lamp->edge_u)), text(place.scale * dvec3(lamp->edge_v)), radiance);
 }
 
+std::string mirrors_text(const Scene& scene, const Placement& place) {
+  std::string mirrors;
+  const auto at = [&](vec3 p) { return text(place(scene.origin + dvec3(p))); };
+  for (const Mirror& mirror : scene.receiver_spec.mirrors) {
+    mirrors += fmt::format("[[mirror]]\nshadow = {}\n", mirror.shadow);
+    if (const auto* ball = std::get_if<Sphere>(&mirror.shape))
+      mirrors += fmt::format("sphere = {{ centre = {}, radius = {:.17e} }}\n", at(ball->centre),
+                             place.scale * double(ball->radius));
+    else if (const auto* wall = std::get_if<MirrorPlane>(&mirror.shape))
+      mirrors += fmt::format("plane = {{ centre = {}, edge_u = {}, edge_v = {} }}\n", at(wall->centre),
+                             text(place.scale * dvec3(wall->edge_u)), text(place.scale * dvec3(wall->edge_v)));
+  }
+  return mirrors;
+}
+
 /// The scene, written to a file elsewhere and read again.
 Scene through_file(const Scene& scene, const Placement& place) {
   const test::TemporaryFolder folder;
@@ -74,9 +89,9 @@ Scene through_file(const Scene& scene, const Placement& place) {
   const std::string mesh = scene.mesh.empty() ? "none" : write_obj(scene, place, folder);
   Scene found = load_scene(folder.write(
       "scene.toml",
-      fmt::format("name = \"{}\"\n[occluder]\nmesh = \"{}\"\n{}[receivers]\n{}albedo = {}\n[light]\n{}", scene.name,
+      fmt::format("name = \"{}\"\n[occluder]\nmesh = \"{}\"\n{}[receivers]\n{}albedo = {}\n[light]\n{}{}", scene.name,
                   mesh, spheres.empty() ? "" : "spheres = [" + spheres + "]\n", receivers_text(scene, place),
-                  text(scene.receiver_spec.albedo), light_text(scene, place))));
+                  text(scene.receiver_spec.albedo), light_text(scene, place), mirrors_text(scene, place))));
   if (environment_of(scene.light)) found.light = scene.light;
   return found;
 }
@@ -89,10 +104,9 @@ Scene with_far_part(const Scene& scene, float width, float up) {
   const vec3 low = box.low + size * vec3(1e5f, up, 0.7e5f);
   const Mesh far = make_box(low, low + size * vec3(width, 1.0f, width));
   Scene out = scene;
-  const auto first = unsigned(out.mesh.positions.size());
-  out.mesh.positions.insert(out.mesh.positions.end(), far.positions.begin(), far.positions.end());
-  if (!out.mesh.normals.empty()) out.mesh.normals.resize(out.mesh.positions.size(), vec3(0.0f));
-  for (const uvec3& t : far.triangles) out.mesh.triangles.push_back(t + first);
+  out.mesh = without_mirrors(std::move(out.mesh), scene.receiver_spec.mirrors);
+  append(out.mesh, far);
+  add_mirrors(out.mesh, scene.receiver_spec.mirrors);
   if (!std::holds_alternative<MeshVertices>(out.receiver_spec.kind))
     out.receivers = make_receivers(out.receiver_spec, out.mesh);
   return out;
@@ -207,7 +221,7 @@ void expect_invariance(const std::string& name) {
 }
 
 TEST(Invariance, OfTruthAndTechniques) {
-  for (const char* name : {"bunny-city-camera", "torus-knot-lamps", "bunny-lamp-camera", "two-blockers"})
+  for (const char* name : {"bunny-city-camera", "torus-knot-lamps", "bunny-lamp-camera", "two-blockers", "mirror-lamp"})
     expect_invariance(name);
 }
 

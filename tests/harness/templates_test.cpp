@@ -126,6 +126,9 @@ TEST_F(Templates, EveryDocumentedKeyOfASceneIsRead) {
     if (text.find("\nseed = ") != std::string::npos) text = replaced(text, "\"torus-knot\"", "\"primitives\"");
     if (text.find("\nmapping = ") != std::string::npos || text.find("\nlayer = ") != std::string::npos)
       text = replaced(text, "environment = \"softbox\"", "environment = \"my-light.exr\"");
+    if (text.find("\n[[mirror]]") != std::string::npos)
+      text = replaced(text, "plane = { half_extent",
+                      "camera = { eye = [0, 1, 1], target = [0, 0, 0], width = 4, height = 4 } #");
     EXPECT_EQ(scene_error(text), "") << text;
   }
 }
@@ -147,6 +150,10 @@ TEST_F(Templates, EveryKeyOfASceneIsDocumented) {
   expect_documented(with("plane = { half_extent = 1.0, resolution = 4 }",
                          "camera = { eye = [0, 1, 1], target = [0, 0, 0], width = 4, height = 4, nonsense = 1 }"),
                     text);
+  for (const char* mirror : {"nonsense = 1\nsphere = { centre = [0, 0, 0], radius = 1 }",
+                             "sphere = { nonsense = 1, centre = [0, 0, 0], radius = 1 }",
+                             "plane = { nonsense = 1, centre = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }"})
+    expect_documented(scene_error(bare + "[[mirror]]\n" + mirror + "\n"), text);
   for (const char* lamp : {"normal = [0, -1, 0], radius = 1.0", "edge_u = [1, 0, 0], edge_v = [0, 0, 1]"})
     expect_documented(
         with("environment = \"constant\"", fmt::format("area = {{ centre = [0, 9, 0], {}, nonsense = 1 }}", lamp)),

@@ -55,6 +55,22 @@ TEST(Shapes, PrimitivesDependOnTheirSeedAlone) {
   EXPECT_LT(std::max({box.high.x, -box.low.x, box.high.z, -box.low.z}), 2.2f);
 }
 
+TEST(Shapes, FoliageIsClosedAndDependsOnItsSeedAlone) {
+  const Mesh a = make_foliage(7), b = make_foliage(7), c = make_foliage(8);
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_NE(a.positions, c.positions);
+  EXPECT_TRUE(closed(a));
+  const std::size_t leaf = 8;  // triangles; the last part that grew is one
+  Mesh last = a;
+  last.triangles.erase(last.triangles.begin(), last.triangles.end() - std::ptrdiff_t(leaf));
+  EXPECT_GT(volume(last), 0.0);
+  EXPECT_TRUE(closed(last));
+  const Bounds box = bounds(a);
+  EXPECT_GT(box.low.y, -0.2f);
+  EXPECT_GT(box.high.y, 1.5f);
+  EXPECT_LT(box.high.y, 2.6f);
+}
+
 TEST(Shapes, OnesOfFlatFacesHaveTheirNormals) {
   for (const char* name : {"fence", "two-blockers"}) {
     Mesh mesh;

@@ -57,6 +57,26 @@ TEST(Receivers, PixelsOfACameraAreSquare) {
   EXPECT_LT(glm::length(at(14, 4) + at(15, 5)), 1e-5f) << "the middle of the image is the target";
 }
 
+TEST(Animation, MovesTheCamera) {
+  Scene scene;
+  scene.receiver_spec.kind = Camera{{0, 1, 4}, {0, 1, 0}, 40.0f, 9, 9, false};
+  scene.mesh = make_sphere({0, 1, 0}, 1.0f);
+  scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
+  const int middle = 4 * 9 + 4;
+  scene.motion = {Motion::Kind::dolly, float(std::log(2.0)), 4.0f, 4};
+  Animation nearer(scene);
+  EXPECT_NEAR(nearer.frame(0).receivers.view_depth[middle], 3.0f, 1e-3f);
+  EXPECT_NEAR(nearer.frame(1).receivers.view_depth[middle], 7.0f, 1e-3f) << "twice as far from the target";
+  EXPECT_NEAR(nearer.frame(3).receivers.view_depth[middle], 1.0f, 1e-3f) << "and half as far";
+  scene.motion = {Motion::Kind::orbit, float(pi / 2), 4.0f, 4};
+  Animation around(scene);
+  const Frame turned = around.frame(1);
+  EXPECT_LT(glm::distance(turned.receivers.position[middle], vec3(1, 1, 0)), 1e-3f);
+  EXPECT_TRUE(turned.changed.receivers);
+  EXPECT_FALSE(turned.changed.mesh || turned.changed.light || turned.changed.spheres);
+  EXPECT_EQ(std::get<Camera>(around.receiver_spec(1).kind).target, vec3(0, 1, 0));
+}
+
 TEST(Animation, MovesWhatTheSceneSays) {
   Scene scene = test::sphere_scene({{{1, 2, 0}, 0.5f}}, test::receivers_at({{0, 0, 0}}));
   scene.motion = {Motion::Kind::rigid, float(pi / 2), 4.0f, 4};
