@@ -45,7 +45,7 @@ struct Camera {
 struct ReceiverSpec {
   std::variant<PlaneGrid, MeshVertices, Camera> kind;
   vec3 albedo{1.0f};
-  std::vector<Mirror> mirrors;  ///< that a camera sees; those that block light end the mesh (add_mirrors)
+  std::vector<Mirror> mirrors = {};  ///< that a camera sees; those that block light end the mesh (add_mirrors)
 };
 
 /// Fills origin and touches; `side` holds unit geometric normals on the side that is shaded, `rays` are of the mesh.
