@@ -241,6 +241,35 @@ TEST(SphericalHarmonics, RotationTurnsTheFunction) {
   EXPECT_NE(test::error_of([] { sh::Rotation(3, glm::dmat3(2.0)); }).find("not orthogonal"), std::string::npos);
 }
 
+TEST(SphericalHarmonics, RotationsInSinglePrecisionAndInBatches) {
+  for (int order = 1; order <= sh::max_order; ++order) {
+    const sh::Rotation r(order, turn(2.3, glm::normalize(dvec3(-1, 0.2, 3))));
+    const auto size = std::size_t(sh::coefficients(order));
+    constexpr int count = 21;  // a whole block and a part
+    std::vector<float> batch(sh::batch_floats(order, count));
+    std::vector<std::vector<double>> expected;
+    for (int k = 0; k < count; ++k) {
+      const auto c = random_coefficients(order, std::uint32_t(30 + k));
+      expected.push_back(r(c));
+      std::vector<float> one(size);
+      r(floats(c).data(), one.data());
+      for (std::size_t i = 0; i < size; ++i) {
+        EXPECT_NEAR(double(one[i]), expected.back()[i], 2e-6) << order;
+        batch[(std::size_t(k / sh::block) * size + i) * sh::block + std::size_t(k % sh::block)] = float(c[i]);
+      }
+    }
+    on_every_target([&] {
+      std::vector<float> turned = batch;
+      sh::rotate_batch(r, turned.data(), count, turned.data());
+      for (int k = 0; k < count; ++k)
+        for (std::size_t i = 0; i < size; ++i)
+          ASSERT_NEAR(double(turned[(std::size_t(k / sh::block) * size + i) * sh::block + std::size_t(k % sh::block)]),
+                      expected[std::size_t(k)][i], 2e-6)
+              << order << " " << instruction_set_of_kernels();
+    });
+  }
+}
+
 TEST(SphericalHarmonics, ProductsAndRotationsCommute) {
   const auto f = random_coefficients(5, 6), g = random_coefficients(5, 7);
   const sh::Rotation r(5, turn(0.7, glm::normalize(dvec3(3, 1, 2))));

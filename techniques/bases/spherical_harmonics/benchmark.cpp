@@ -127,11 +127,29 @@ BENCHMARK(zonal_rotation)->DenseRange(2, 6);
 
 void full_rotation(benchmark::State& state) {
   const sh::Rotation rotation(int(state.range(0)), glm::dmat3({0, 0, 1}, {1, 0, 0}, {0, 1, 0}));
-  const std::vector<double> c(std::size_t(sh::coefficients(int(state.range(0)))), 0.5);
-  for (auto _ : state) benchmark::DoNotOptimize(rotation(c));
+  std::vector<float> c = numbers(std::size_t(sh::coefficients(int(state.range(0))))), out(c.size());
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(c.data());
+    rotation(c.data(), out.data());
+    benchmark::DoNotOptimize(out.data());
+    benchmark::ClobberMemory();
+  }
   per_item(state, 1);
 }
 BENCHMARK(full_rotation)->DenseRange(2, 6);
+
+void full_rotation_in_batches(benchmark::State& state) {
+  const sh::Rotation rotation(int(state.range(0)), glm::dmat3({0, 0, 1}, {1, 0, 0}, {0, 1, 0}));
+  const std::vector<float> f = numbers(sh::batch_floats(int(state.range(0)), items));
+  std::vector<float> out(f.size());
+  for (auto _ : state) {
+    sh::rotate_batch(rotation, f.data(), items, out.data());
+    benchmark::DoNotOptimize(out.data());
+    benchmark::ClobberMemory();
+  }
+  per_item(state, items);
+}
+BENCHMARK(full_rotation_in_batches)->DenseRange(2, 6);
 
 void make_full_rotation(benchmark::State& state) {
   for (auto _ : state)

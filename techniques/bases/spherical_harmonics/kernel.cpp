@@ -5,9 +5,11 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 
 #include <algorithm>
+#include <utility>
 
 #include "techniques/bases/spherical_harmonics/basis.h"
 #include "techniques/bases/spherical_harmonics/lanes-inl.h"
+#include "techniques/bases/spherical_harmonics/rotation.h"
 #include "techniques/bases/spherical_harmonics/straight_line.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -50,6 +52,34 @@ HWY_NOINLINE void SquareOrder(const float* f, int count, float* out) {
       for (int i = 0; i < size; ++i) a[i] = hn::LoadU(d, f + i * block + k);
       square<order>(a, r);
       for (int i = 0; i < size; ++i) hn::StoreU(r[i].v, d, out + i * block + k);
+    }
+}
+
+/// One band of a rotation: its entries stand in a row.
+template <int l>
+HWY_INLINE const float* RotateBand(const float* entry, const float* f, float* out) {
+  const Floats d;
+  constexpr int size = 2 * l + 1;
+  Lanes c[size];
+  for (int j = 0; j < size; ++j) c[j] = hn::LoadU(d, f + (l * l + j) * block);
+  for (int i = 0; i < size; ++i, entry += size) {
+    Lanes sum = Lanes(hn::Set(d, entry[0])) * c[0];
+    for (int j = 1; j < size; ++j) sum = multiply_add(Lanes(hn::Set(d, entry[j])), c[j], sum);
+    hn::StoreU(sum.v, d, out + (l * l + i) * block);
+  }
+  return entry;
+}
+
+template <int order>
+HWY_NOINLINE void RotateOrder(const float* entries, const float* f, int count, float* out) {
+  constexpr int size = coefficients(order);
+  for (int first = 0; first < count; first += block, f += size * block, out += size * block)
+    for (int k = 0; k < block; k += int(hn::Lanes(Floats()))) {
+      const float* entry = entries;
+      [&]<int... l>(std::integer_sequence<int, l...>) HWY_ATTR {
+        ((entry = RotateBand<l>(entry, f + k, out + k)), ...);
+      }
+      (std::make_integer_sequence<int, order>());
     }
 }
 
@@ -96,6 +126,10 @@ void Product(int order, const float* f, const float* g, float* out) {
   with_order<2, 6>(order, [&](auto n) HWY_ATTR { OneProduct<n>(f, g, out); });
 }
 
+void RotateBatch(int order, const float* entries, const float* f, int count, float* out) {
+  with_order<1, max_order>(order, [&](auto n) HWY_ATTR { RotateOrder<n>(entries, f, count, out); });
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace penumbra::sh
 HWY_AFTER_NAMESPACE();
@@ -107,6 +141,7 @@ HWY_EXPORT(EvaluateBatch);
 HWY_EXPORT(ProductBatch);
 HWY_EXPORT(SquareBatch);
 HWY_EXPORT(Product);
+HWY_EXPORT(RotateBatch);
 
 void evaluate_batch(int order, const float* const direction[3], int count, float* y) {
   HWY_DYNAMIC_DISPATCH(EvaluateBatch)(order, direction, count, y);
@@ -122,6 +157,10 @@ void square_batch(int order, const float* f, int count, float* out) {
 
 void product(int order, const float* f, const float* g, float* out) {
   HWY_DYNAMIC_DISPATCH(Product)(order, f, g, out);
+}
+
+void rotate_batch(const Rotation& rotation, const float* f, int count, float* out) {
+  HWY_DYNAMIC_DISPATCH(RotateBatch)(rotation.order(), rotation.entries(), f, count, out);
 }
 
 }  // namespace penumbra::sh
