@@ -46,12 +46,6 @@ inline Receivers receivers_at(const std::vector<vec3>& positions, vec3 normal = 
   return r;
 }
 
-inline void append(Mesh& mesh, const Mesh& more) {
-  const auto first = unsigned(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
-  for (const uvec3& t : more.triangles) mesh.triangles.push_back(t + first);
-}
-
 /// Spheres (also as a mesh) under constant light 1, so that radiance is e = 1 - blocked fraction.
 inline Scene sphere_scene(const std::vector<Sphere>& spheres, const Receivers& receivers) {
   Scene scene;

@@ -60,10 +60,11 @@ TEST(Mirror, AWallShowsWhatACameraBehindItSees) {
       // What lies in front of the wall; a corner's ray may fall on either side of it.
       if (!behind.valid(mirrored) || behind.position[mirrored].z < -1.99f) continue;
       ++found;
+      const float far = behind.view_depth[mirrored];  // float rounds relative to it
       ASSERT_TRUE(shown.valid(k)) << x << " " << y;
-      EXPECT_LT(glm::distance(shown.position[k], behind.position[mirrored]), 2e-4f) << x << " " << y;
+      EXPECT_LT(glm::distance(shown.position[k], behind.position[mirrored]), 1e-5f * far) << x << " " << y;
       EXPECT_LT(glm::distance(shown.normal[k], behind.normal[mirrored]), 1e-3f) << x << " " << y;
-      EXPECT_NEAR(shown.view_depth[k], behind.view_depth[mirrored], 1e-4f) << "the whole path";
+      EXPECT_NEAR(shown.view_depth[k], behind.view_depth[mirrored], 1e-5f * far) << "the whole path";
       EXPECT_EQ(shown.on_occluder[k], behind.on_occluder[mirrored]);
     }
   EXPECT_GT(found, 200);
@@ -75,7 +76,7 @@ TEST(Mirror, ABallShowsWhatStandsBehindTheCamera) {
   const Receivers r = seen(camera, make_box({-3, -2, 9}, {3, 4, 10}), {ball({0, 1, 0}, 1.0f)});
   const int middle = 16 * 33 + 16;
   EXPECT_LT(glm::distance(r.position[middle], vec3(0, 1, 9)), 1e-4f);
-  EXPECT_LT(glm::distance(r.normal[middle], vec3(0, 0, -1)), 1e-4f);
+  EXPECT_LT(r.normal[middle].z, -0.99f) << "smooth, but of the face that looks at the ball";
   EXPECT_NEAR(r.view_depth[middle], 3.0f + 8.0f, 1e-4f);
   EXPECT_FALSE(r.valid(0)) << "beside the ball nothing is seen";
 }
@@ -96,7 +97,7 @@ TEST(Mirror, BehindASecondMirrorNothingIsSeen) {
 TEST(Mirror, OnASurfaceAMirrorIsWhatIsSeen) {
   const Mesh box = make_box({-0.5f, 0.0f, -1.0f}, {0.5f, 1.0f, 0.0f});
   const Camera camera{{0, 1.0f, 3.0f}, {0, 0.0f, 0.4f}, 40.0f, 21, 21};
-  const Receivers r = seen(camera, box, {wall({0, 0, 0}, {10, 0, 0}, {0, 0, 10})});
+  const Receivers r = seen(camera, box, {wall({0, 0, 0}, {100, 0, 0}, {0, 0, 100})});
   int on_box = 0;
   for (int k = 0; k < r.size(); ++k) {
     EXPECT_TRUE(!r.valid(k) || r.on_occluder[k]) << "the ground is a mirror, and shows the box or the sky";

@@ -140,7 +140,7 @@ TEST(Fit, MillimetresAndKilometres) {
 
 TEST(Fit, ManyComponentsAreAllCovered) {
   Mesh mesh;
-  for (int i = 0; i < 9; ++i) test::append(mesh, make_sphere({3.0f * float(i % 3), 0, 3.0f * float(i / 3)}, 0.5f, 16));
+  for (int i = 0; i < 9; ++i) append(mesh, make_sphere({3.0f * float(i % 3), 0, 3.0f * float(i / 3)}, 0.5f, 16));
   for (const int spheres : {4, 9}) {
     const SphereSet set = fit_spheres(mesh, {spheres, Objective::cover});
     expect_covered(mesh, set);

@@ -6,8 +6,6 @@
 namespace penumbra {
 namespace {
 
-using test::append;
-
 Mesh turned(Mesh mesh) {
   for (uvec3& t : mesh.triangles) std::swap(t.y, t.z);
   return mesh;

@@ -16,7 +16,7 @@ struct Box {
 
 Mesh mesh_of(const std::vector<Box>& boxes) {
   Mesh mesh;
-  for (const Box& b : boxes) test::append(mesh, make_box(b.low, b.high));
+  for (const Box& b : boxes) append(mesh, make_box(b.low, b.high));
   return mesh;
 }
 
@@ -115,10 +115,10 @@ TEST(Touching, DoubledSolidsCountOnce) {
   expect_fit_as_counted({box, box}, 0.216, "twice", {8});
   expect_fit_as_counted({box, box, box}, 0.216, "three times");
   Mesh both_sides = mesh_of({box});
-  test::append(both_sides, turned(mesh_of({box})));
+  append(both_sides, turned(mesh_of({box})));
   EXPECT_NEAR(enclosed_volume(make_solid(both_sides, "both sides")), 0.216, 1e-7);
   Mesh other_diagonals = mesh_of({box});  // coincident faces, but no common triangles
-  test::append(other_diagonals, mapped(turned(mesh_of({box})), [](vec3 p) { return vec3(-p.x, p.y, p.z); }));
+  append(other_diagonals, mapped(turned(mesh_of({box})), [](vec3 p) { return vec3(-p.x, p.y, p.z); }));
   const Mesh solid = make_solid(other_diagonals, "other diagonals");
   EXPECT_NEAR(enclosed_volume(solid), 0.216, 1e-7);
   expect_as_counted(
@@ -189,8 +189,8 @@ TEST(Touching, AgreesWithTheWindingNumber) {
                 0.48f * p.x + 0.64f * p.y + 0.6f * p.z - 0.3f);
   };
   Mesh balls = make_sphere({0.1f, 0, 0}, 0.8f, 24);
-  test::append(balls, make_sphere({0.9f, 0.3f, 0.2f}, 0.7f, 16));
-  test::append(balls, make_torus_knot(2, 3, 48, 8));
+  append(balls, make_sphere({0.9f, 0.3f, 0.2f}, 0.7f, 16));
+  append(balls, make_torus_knot(2, 3, 48, 8));
   const std::pair<std::string, Mesh> cases[] = {
       {"askew cubes", mapped(mesh_of(voxels(2, 2, 1)), askew)},
       {"askew overlap", mapped(mesh_of({{vec3(0.0f), vec3(1.0f)}, {vec3(0.4f), vec3(1.7f)}}), askew)},
@@ -213,8 +213,8 @@ TEST(Touching, AgreesWithTheWindingNumber) {
 
 TEST(Touching, TheUnionsSurfaceWindsOnce) {
   Mesh mesh = mesh_of(voxels(2, 2, 1));
-  test::append(mesh, mesh_of({{vec3(0.3f), vec3(1.7f)}, {vec3(0.3f), vec3(1.7f)}}));
-  test::append(mesh, make_sphere({1, 1, 1}, 0.9f, 12));
+  append(mesh, mesh_of({{vec3(0.3f), vec3(1.7f)}, {vec3(0.3f), vec3(1.7f)}}));
+  append(mesh, make_sphere({1, 1, 1}, 0.9f, 12));
   const Mesh solid = make_solid(mesh, "heap");
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-0.5, 2.5);
@@ -244,7 +244,7 @@ TEST(Touching, WallsWithoutThicknessCastShadows) {
   Mesh leaf;  // beside the box, written with both sides
   leaf.positions = {{2, 0, 0}, {3, 0, 0.1f}, {3, 1, 0.2f}, {2, 1, 0.1f}};
   leaf.triangles = {{0, 1, 2}, {0, 2, 3}, {2, 1, 0}, {3, 2, 0}};
-  test::append(mesh, leaf);
+  append(mesh, leaf);
   const Mesh solid = make_solid(mesh, "leaf");
   EXPECT_EQ(solid.triangles.size(), 16u);
   EXPECT_NEAR(enclosed_volume(solid), 1.0, 1e-6);
