@@ -101,8 +101,8 @@ class OnDevice : public Scalar {
  public:
   using Scalar::Scalar;
 
-  void prepare(const Scene& scene) override {
-    Scalar::prepare(scene);
+  void prepare(const Scene& scene, const Light& light) override {
+    Scalar::prepare(scene, light);
     begin(scene.receivers, {true, true, true, true});
   }
   void update(const Frame& frame) override {

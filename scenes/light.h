@@ -1,6 +1,7 @@
-// The one light of a scene: an environment, or a rectangular or disc-shaped area light.
+// The light of a scene: an environment, a rectangular or disc-shaped area light, or several of these.
 #pragma once
 
+#include <span>
 #include <variant>
 
 #include "scenes/environment.h"
@@ -28,13 +29,28 @@ struct AreaLight {
 AreaLight make_rectangle(vec3 centre, vec3 edge_u, vec3 edge_v, vec3 radiance);
 AreaLight make_disc(vec3 centre, vec3 normal, float radius, vec3 radiance);
 
-using Light = std::variant<Environment, AreaLight>;
+struct Light;
+
+/// Lights that shine together.
+struct Lights {
+  std::vector<Light> each;  ///< none of them several
+};
+
+struct Light : std::variant<Environment, AreaLight, Lights> {
+  using variant::variant;
+};
 
 inline const Environment* environment_of(const Light& light) {
   return std::get_if<Environment>(&light);
 }
 inline const AreaLight* area_light_of(const Light& light) {
   return std::get_if<AreaLight>(&light);
+}
+
+/// The lights that a light is made of: itself, or each of several.
+inline std::span<const Light> each_of(const Light& light) {
+  const Lights* several = std::get_if<Lights>(&light);
+  return several ? std::span<const Light>(several->each) : std::span<const Light>(&light, 1);
 }
 
 }  // namespace penumbra

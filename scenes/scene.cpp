@@ -21,6 +21,22 @@ float swing(const Motion& motion, int index) {
   return motion.amount * float(std::sin(2.0 * pi * index / motion.period));
 }
 
+/// `light` is a copy of the one at rest, turned before.
+void turn_light(const Light& rest, const Motion& motion, int index, Light& light) {
+  if (auto* environment = std::get_if<Environment>(&light))
+    environment->rotation = environment_of(rest)->rotation + double(motion.amount) * index / double(motion.period);
+  if (auto* area = std::get_if<AreaLight>(&light)) {
+    *area = *area_light_of(rest);
+    const float angle = motion.amount * float(index) / motion.period;
+    const vec3 axis = axis_of(motion);
+    area->centre = axis + turn_y(area->centre - axis, angle);
+    for (vec3* v : {&area->edge_u, &area->edge_v, &area->normal}) *v = turn_y(*v, angle);
+  }
+  if (auto* several = std::get_if<Lights>(&light))
+    for (std::size_t k = 0; k < several->each.size(); ++k)
+      turn_light(each_of(rest)[k], motion, index, several->each[k]);
+}
+
 /// Where a point of the rest shape goes.
 vec3 moved(const Motion& motion, const Bounds& rest, vec3 p, float angle) {
   const float height = std::max(rest.extent().y, 1e-20f), up = p.y - rest.low.y, h = up / height;
@@ -78,16 +94,7 @@ Frame Animation::frame(int index) {
   Changes changed;
   if (motion.kind == Motion::Kind::rotate_light) {
     changed.light = true;
-    if (auto* environment = std::get_if<Environment>(&light_))
-      environment->rotation =
-          environment_of(scene_.light)->rotation + double(motion.amount) * index / double(motion.period);
-    if (auto* area = std::get_if<AreaLight>(&light_)) {
-      *area = *area_light_of(scene_.light);
-      const float angle = motion.amount * float(index) / motion.period;
-      const vec3 axis = axis_of(motion);
-      area->centre = axis + turn_y(area->centre - axis, angle);
-      for (vec3* v : {&area->edge_u, &area->edge_v, &area->normal}) *v = turn_y(*v, angle);
-    }
+    turn_light(scene_.light, motion, index, light_);
   } else if (deforms()) {
     changed.mesh = changed.spheres = true;
     const float angle = swing(motion, index);

@@ -178,13 +178,7 @@ AreaLight read_area_light(TomlReader at, dvec3 origin) {
   return light;
 }
 
-Light read_light(TomlReader at, dvec3 origin) {
-  const std::string kind = exactly_one(at, {"environment", "area"});
-  if (kind == "area") {
-    AreaLight light = read_area_light(*at.table("area"), origin);
-    at.finish();
-    return light;
-  }
+Environment read_environment(TomlReader& at) {
   const std::string name = *at.text("environment");
   const Layout layout = read_layout(at);
   const auto layer = at.text("layer");
@@ -197,8 +191,21 @@ Light read_light(TomlReader at, dvec3 origin) {
     at.fail("layer", "chooses a layer of an image file; '" + name + "' is none");
   }
   environment.rotation = at.number("rotation", -100.0, 100.0).value_or(0.0);
-  at.finish();
   return environment;
+}
+
+/// An environment, lamps, or both together.
+Light read_light(TomlReader at, dvec3 origin) {
+  Lights lights;
+  if (at.has("environment")) lights.each.emplace_back(read_environment(at));
+  const toml::node* lamps = at.node("area");
+  if (lamps && lamps->is_array())
+    for (TomlReader& lamp : at.tables("area")) lights.each.emplace_back(read_area_light(lamp, origin));
+  else if (lamps) lights.each.emplace_back(read_area_light(*at.table("area"), origin));
+  at.finish();
+  if (lights.each.empty()) at.fail("environment", "is missing, and so is 'area': a scene needs a light");
+  if (lights.each.size() > 1) return lights;
+  return std::move(lights.each.front());
 }
 
 Motion read_motion(TomlReader at, dvec3 origin) {

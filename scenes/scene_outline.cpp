@@ -31,7 +31,8 @@ SceneOutline read_outline(const std::string& name_or_path, const SphereChoice& c
   outline.name = read_name(file);
   outline.where = file.where("name");
   if (auto occluder = file.table("occluder")) outline_spheres(*occluder, choice, outline);
-  if (auto light = file.table("light")) outline.environment = !light->has("area");
+  if (auto light = file.table("light"))
+    outline.environment = light->has("environment"), outline.lamps = light->has("area");
   return outline;
 }
 

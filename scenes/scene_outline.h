@@ -9,7 +9,8 @@ struct SceneOutline {
   std::string name, file, where;  ///< where: "file:line" of the name
   std::size_t spheres = 0;        ///< that are given or asked for; a fit may need fewer
   std::string objective;          ///< of a fit; empty if the spheres are given
-  bool environment = true;        ///< lit from all around, or by a lamp
+  bool environment = true;        ///< lit from all around
+  bool lamps = false;             ///< lit by lamps, alone or besides
   bool fitted() const { return !objective.empty(); }
 };
 

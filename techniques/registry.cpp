@@ -7,6 +7,7 @@
 
 #include "scenes/error.h"
 #include "scenes/nearest_name.h"
+#include "techniques/several_lights.h"
 
 namespace penumbra {
 namespace {
@@ -78,6 +79,12 @@ std::vector<Backend> Registry::usual_backends(const std::string& name) const {
 std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& parameters) {
   if (!entry.unavailable.empty()) throw Unsupported(entry.title() + " cannot run: " + entry.unavailable);
   return entry.make(parameters.resolve(entry.parameters, entry.title()));
+}
+
+std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& parameters, const Light& light) {
+  if (each_of(light).size() == 1) return make_technique(entry, parameters);
+  if (entry.backend == Backend::cuda) throw Unsupported("several lights: not on a device");
+  return std::make_unique<SeveralLights>([entry, parameters] { return make_technique(entry, parameters); });
 }
 
 }  // namespace penumbra

@@ -10,10 +10,14 @@
 
 namespace penumbra {
 
-/// Which lights a technique can shade.
+/// Which lights a technique can shade, alone or together with others.
 struct LightKinds {
   bool environment = false, area = false;
-  bool accepts(const Light& light) const { return environment_of(light) ? environment : area; }
+  bool accepts(const Light& light) const {
+    for (const Light& one : each_of(light))
+      if (!(environment_of(one) ? environment : area)) return false;
+    return true;
+  }
 };
 
 /// A parameter that trades time for error: what `penumbra choose` turns. The others keep their defaults.
@@ -115,5 +119,7 @@ void add_pair(Registry& registry, Entry entry) {
 /// Checked construction: resolves the parameters against the entry's declaration. Throws Unsupported, with the reason,
 /// if the entry is unavailable.
 std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& parameters);
+/// For a scene's light: where there are several, one technique for each (techniques/several_lights.h).
+std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& parameters, const Light& light);
 
 }  // namespace penumbra

@@ -66,9 +66,11 @@ class Technique {
  public:
   virtual ~Technique() = default;
 
-  /// Once per scene, offline: builds tables and takes in the scene at rest. May be slow; timed apart.
-  /// Throws Unsupported where the technique makes no sense on the scene. The scene outlives the technique.
-  virtual void prepare(const Scene& scene) = 0;
+  /// Once per scene, offline: builds tables and takes in the scene at rest. May be slow; timed apart. `light` is the
+  /// scene's, or one of its lights (techniques/several_lights.h). Throws Unsupported where the technique makes no sense
+  /// on the scene. Scene and light outlive the technique.
+  virtual void prepare(const Scene& scene, const Light& light) = 0;
+  void prepare(const Scene& scene) { prepare(scene, scene.light); }
 
   /// Per frame: all that depends on the frame and is shared by receivers. Only what `frame.changed` names differs from
   /// the frame (or scene) before. The frame stays valid until the next update().

@@ -37,9 +37,10 @@ Measured measured_by_suites(const Entry& entry, const Registry& registry) {
     const auto same = [&](const Variant& v) { return v.entry->name == entry.name; };
     if (!std::any_of(suite.variants.begin(), suite.variants.end(), same)) continue;
     measured.suites.push_back(name);
-    for (const std::string& scene : suite.scenes)
-      if (measured.scene.empty() && (read_outline(scene).environment ? entry.lights.environment : entry.lights.area))
-        measured.scene = scene;
+    for (const std::string& scene : suite.scenes) const SceneOutline outline = read_outline(scene);
+    if (measured.scene.empty() && (entry.lights.environment || !outline.environment) &&
+        (entry.lights.area || !outline.lamps))
+      measured.scene = scene;
   }
   return measured;
 }
@@ -97,11 +98,16 @@ std::string receivers_text(const Scene& scene) {
   return fmt::format("{}, the vertices of the mesh", r.size());
 }
 
-std::string light_text(const Scene& scene, const std::string& environment) {
-  if (const Environment* e = environment_of(scene.light))
+std::string light_text(const Scene& scene, const Light& light, const std::string& environment) {
+  if (const Environment* e = environment_of(light))
     return fmt::format("environment {}{}", environment,
                        e->rotation != 0.0 ? fmt::format(", turned by {:.3g} rad about +y", e->rotation) : "");
-  const AreaLight& lamp = *area_light_of(scene.light);
+  if (std::holds_alternative<Lights>(light)) {
+    std::vector<std::string> texts;
+    for (const Light& one : each_of(light)) texts.push_back(light_text(scene, one, environment));
+    return fmt::format("{}", fmt::join(texts, "; "));
+  }
+  const AreaLight& lamp = *area_light_of(light);
   return fmt::format("{} lamp of {:.3g} m^2 at {}, radiance {} W m^-2 sr^-1",
                      lamp.shape == AreaLight::Shape::disc ? "round" : "rectangular", lamp.area(),
                      vector_text(vec3(dvec3(lamp.centre) + scene.origin)), vector_text(lamp.radiance));
@@ -179,7 +185,7 @@ std::string describe_scene(const std::string& name_or_path, int width) {
   line("mesh", mesh_text(scene, named("occluder", "mesh")));
   line("spheres", spheres_text(outline));
   line("receivers", receivers_text(scene));
-  line("light", light_text(scene, named("light", "environment")));
+  line("light", light_text(scene, scene.light, named("light", "environment")));
   line("motion", motion_text(scene.motion, named("motion", "kind")));
   line("try", fmt::format("penumbra choose {0} --error 2%, penumbra run quick --scene {0}", name_or_path));
   return text;

@@ -113,7 +113,7 @@ class DryScene {
   }
 
   double seconds_for(Rung rung) const {
-    return expected_reference(rung, planned_.outline.environment, scene_.receivers.size(), plan_.suite->truth_noise);
+    return expected_reference(rung, !planned_.outline.lamps, scene_.receivers.size(), plan_.suite->truth_noise);
   }
 
   /// Labels of the rows that would be measured.

@@ -32,7 +32,7 @@ void render(const RenderOptions& options) {
   const std::string backend =
       options.backend.empty() ? to_string(registry.usual_backends(options.technique).back()) : options.backend;
   const Entry& entry = registry.find(options.technique, backend);
-  const auto technique = make_technique(entry, options.parameters);
+  const auto technique = make_technique(entry, options.parameters, scene.light);
   Progress progress;
   const Scene scene = load_scene(options.scene, {options.spheres, {}}, progress);
   if (!entry.lights.accepts(scene.light))

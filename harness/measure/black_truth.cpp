@@ -23,6 +23,9 @@ std::string text(vec3 v) {
 }
 
 std::string why_nothing_arrives(const Light& light, const Receivers& receivers) {
+  if (each_of(light).size() > 1)
+    return fmt::format("no receiver gets light of any of {} lights; the first: {}", each_of(light).size(),
+                       why_nothing_arrives(each_of(light).front(), receivers));
   const AreaLight* lamp = area_light_of(light);
   if (!lamp)
     return total_energy(*environment_of(light)) == dvec3(0.0)
@@ -39,13 +42,19 @@ std::string why_nothing_arrives(const Light& light, const Receivers& receivers) 
 }  // namespace
 
 double light_scale(const Light& light, const Receivers& receivers) {
-  const AreaLight* lamp = area_light_of(light);
-  const dvec3 everywhere = lamp ? dvec3(0.0) : total_energy(*environment_of(light)) / pi;
+  dvec3 everywhere(0.0);
+  std::vector<const AreaLight*> lamps;
+  for (const Light& one : each_of(light)) {
+    if (const AreaLight* lamp = area_light_of(one)) lamps.push_back(lamp);
+    else everywhere += total_energy(*environment_of(one)) / pi;
+  }
   double sum = 0.0;
   std::size_t count = 0;
   for (int i = 0; i < receivers.size(); ++i) {
     if (!receivers.valid(i)) continue;
-    const dvec3 most = dvec3(receivers.albedo[i]) * (lamp ? most_light(*lamp, receivers.position[i]) : everywhere);
+    dvec3 most = everywhere;
+    for (const AreaLight* lamp : lamps) most += most_light(*lamp, receivers.position[i]);
+    most *= dvec3(receivers.albedo[i]);
     sum += glm::dot(most, most);
     ++count;
   }
@@ -58,6 +67,8 @@ double black_level(const Light& light, const Receivers& receivers) {
 
 bool light_arrives(const Light& light, const Receivers& receivers) {
   const double crumb = black_level(light, receivers);
+  if (const std::span<const Light> lights = each_of(light); lights.size() > 1)
+    return std::any_of(lights.begin(), lights.end(), [&](const Light& one) { return light_arrives(one, receivers); });
   const LightSampler sampler(light);
   LightSampler::Scratch scratch;
   for (int i = 0; i < receivers.size(); ++i) {

@@ -75,8 +75,10 @@ void score(const SceneContext& context, const Variant& variant, bool attribution
 
 std::string reason_to_skip(const Entry& entry, const Light& light) {
   if (!entry.unavailable.empty()) return entry.unavailable;
-  if (entry.lights.accepts(light)) return "";
-  return environment_of(light) ? "cannot shade an environment" : "cannot shade an area light";
+  for (const Light& one : each_of(light))
+    if (!entry.lights.accepts(one))
+      return environment_of(one) ? "cannot shade an environment" : "cannot shade an area light";
+  return "";
 }
 
 Row empty_row(const Variant& variant, const SceneContext& context, const Suite& suite) {
@@ -102,7 +104,7 @@ Checked checked(const Variant& variant, const SceneContext& context, const Suite
   c.row = empty_row(variant, context, suite);
   if (!c.row.ok()) return c;
   try {
-    c.technique = make_technique(*variant.entry, variant.parameters);
+    c.technique = make_technique(*variant.entry, variant.parameters, context.scene().light);
     shade(context, c);
     check_finite(c.image);
     collect_facts(*c.technique, c.row.facts);

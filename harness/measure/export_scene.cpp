@@ -138,6 +138,14 @@ json lamp_json(const AreaLight& lamp) {
                           (disc ? "edges are diameters" : "edges are whole, about the centre") + "; area in m^2"}};
 }
 
+json light_json(const Light& light, const std::string& directory) {
+  if (const Environment* environment = environment_of(light)) return export_environment(*environment, directory);
+  if (const AreaLight* lamp = area_light_of(light)) return lamp_json(*lamp);
+  json several{{"kind", "several"}, {"meaning", "light adds up"}};
+  for (const Light& one : each_of(light)) several["lights"].push_back(light_json(one, directory));
+  return several;
+}
+
 }  // namespace
 
 void export_scene(const Animation& animation, const Frame& frame, const std::string& directory) {
@@ -158,8 +166,7 @@ void export_scene(const Animation& animation, const Frame& frame, const std::str
   for (const Mirror& mirror : scene.receiver_spec.mirrors) out["mirrors"].push_back(mirror_json(mirror));
   out["mesh"] = export_mesh(frame.mesh, directory);
   out["spheres"] = export_spheres(frame.spheres, directory);
-  const Environment* environment = environment_of(frame.light);
-  out["light"] = environment ? export_environment(*environment, directory) : lamp_json(*area_light_of(frame.light));
+  out["light"] = light_json(frame.light, directory);
   write_atomically(directory + "/scene.json", out.dump(1) + "\n");
 }
 

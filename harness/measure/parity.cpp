@@ -38,7 +38,7 @@ namespace {
 constexpr double parity_floor = 1e-2;
 
 std::vector<vec3> shaded(const Entry& entry, const Parameters& parameters, const Scene& scene) {
-  const auto technique = entry.make(parameters);
+  const auto technique = make_technique(entry, parameters, scene.light);
   technique->prepare(scene);
   Animation animation(scene);
   const Frame frame = animation.frame(scored_frame(animation));

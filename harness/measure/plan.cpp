@@ -57,7 +57,7 @@ std::string title_of(const SceneOutline& scene) {
 void add_references(const std::set<int>& resolutions, const std::string& fit, PlannedScene& scene) {
   for (const Rung rung : {Rung::truth, Rung::r13x13, Rung::cube, Rung::spheres}) {
     const bool texels = rung == Rung::cube || rung == Rung::spheres;
-    if (texels ? !scene.outline.environment : rung == Rung::r13x13 && scene.outline.environment) continue;
+    if (texels ? scene.outline.lamps : rung == Rung::r13x13 && scene.outline.environment) continue;
     if (rung == Rung::spheres && scene.outline.spheres == 0) continue;
     for (const int n : texels ? resolutions : std::set<int>{0}) {
       std::string key = fmt::format("reference {}/{}", title_of(scene.outline), to_string(rung));

@@ -72,10 +72,12 @@ void warn_of_noise(const Reference& reference, const Receivers& receivers, const
 }
 
 std::string inapplicable(const Frame& frame, Rung rung) {
-  const bool environment = environment_of(frame.light) != nullptr;
-  if (rung == Rung::r13x13 && environment) return "the rung 13x13 is for area lights";
-  if ((rung == Rung::cube || rung == Rung::spheres) && !environment)
-    return "the rung " + to_string(rung) + " is for environments";
+  for (const Light& light : each_of(frame.light)) {
+    const bool environment = environment_of(light) != nullptr;
+    if (rung == Rung::r13x13 && environment) return "the rung 13x13 is for area lights";
+    if ((rung == Rung::cube || rung == Rung::spheres) && !environment)
+      return "the rung " + to_string(rung) + " is for environments";
+  }
   if (rung == Rung::spheres && frame.spheres.empty()) return "the scene has no spheres";
   return "";
 }
@@ -194,17 +196,42 @@ void check_finite(const Reference& reference, const Receivers& receivers) {
         }
 }
 
-Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
-                            const ReferenceProgress& progress) {
-  if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
-  const auto start = std::chrono::steady_clock::now();
+namespace {
+
+Reference of_one_light(const Frame& frame, Rung rung, const ReferenceSettings& settings,
+                       const ReferenceProgress& progress) {
   Reference out;
   out.rung = rung;
   out.mean = out.variance = out.unshadowed = blank(frame.receivers);
   if (rung == Rung::truth) compute_truth(frame, settings, out, progress);
   else if (rung == Rung::r13x13) compute_13x13(frame, out, progress);
   else compute_texels(frame, rung, settings.resolution, out, progress);
-  stop_if_interrupted();
+  return out;
+}
+
+/// Light adds up, and so do variances of independent samples.
+void add(Reference& sum, const Reference& one) {
+  for (const auto image : {&Reference::mean, &Reference::variance, &Reference::unshadowed})
+    for (std::size_t i = 0; i < (sum.*image).pixels.size(); ++i) (sum.*image).pixels[i] += (one.*image).pixels[i];
+  sum.rays_per_receiver += one.rays_per_receiver;
+}
+
+}  // namespace
+
+Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettings& settings,
+                            const ReferenceProgress& progress) {
+  if (const std::string why = inapplicable(frame, rung); !why.empty()) throw Unsupported(why);
+  const auto start = std::chrono::steady_clock::now();
+  const std::span<const Light> lights = each_of(frame.light);
+  Reference out;
+  for (std::size_t k = 0; k < lights.size(); ++k) {
+    const Frame lit{frame.time, frame.mesh, frame.spheres, lights[k], frame.receivers, frame.changed};
+    const ReferenceProgress part = [&](double share) { progress((double(k) + share) / double(lights.size())); };
+    Reference one = of_one_light(lit, rung, settings, progress ? part : progress);
+    stop_if_interrupted();
+    if (k == 0) out = std::move(one);
+    else add(out, one);
+  }
   check_finite(out, frame.receivers);
   warn_of_noise(out, frame.receivers, settings);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

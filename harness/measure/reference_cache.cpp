@@ -14,6 +14,8 @@ namespace {
 constexpr int format_version = 7;  // raise when a rung's algorithm changes: old files are then never looked at
 
 void add_light(ContentHash& hash, const Light& light) {
+  if (std::holds_alternative<Lights>(light))
+    for (const Light& one : each_of(light)) add_light(hash, one);
   if (const Environment* e = environment_of(light)) {
     hash.add_value(int(e->mapping));
     hash.add_value(e->width);

@@ -61,7 +61,7 @@ void SceneContext::add_baseline(const Variant& variant) {
   if (!variant.entry->lights.accepts(scene_.light)) throw Unsupported("it cannot shade the light");
   const Receivers& r = scene_.receivers;
   Image image{r.width, r.height, std::vector<vec3>(std::size_t(r.size()))};
-  const auto technique = make_technique(*variant.entry, variant.parameters);
+  const auto technique = make_technique(*variant.entry, variant.parameters, scene_.light);
   tbb::task_arena(variant.threads).execute([&] {
     technique->prepare(scene_);
     technique->update(frame_);

@@ -9,7 +9,9 @@ class Constant final : public Technique {
  public:
   explicit Constant(const Parameters& p) : value_(float(p.number("radiance"))) {}
 
-  void prepare(const Scene& scene) override { receivers_ = &scene.receivers; }  // once, offline
+  void prepare(const Scene& scene, const Light& /*light*/) override {  // once, offline
+    receivers_ = &scene.receivers;
+  }
   void update(const Frame& frame) override {
     receivers_ = &frame.receivers;
   }                                           // per frame: frame.changed says what is new

@@ -9,10 +9,10 @@
 
 namespace penumbra {
 
-void PixelBasis::prepare(const Scene& scene) {
+void PixelBasis::prepare(const Scene& scene, const Light& light) {
   visibility_.prepare(scene);
   receivers_ = &scene.receivers;
-  light_ = CubeLight(*environment_of(scene.light), visibility_.resolution());
+  light_ = CubeLight(*environment_of(light), visibility_.resolution());
 }
 
 void PixelBasis::update(const Frame& frame) {
@@ -42,8 +42,8 @@ class PixelBasisSimd final : public PixelBasis {
  public:
   using PixelBasis::PixelBasis;
 
-  void prepare(const Scene& scene) override {
-    PixelBasis::prepare(scene);
+  void prepare(const Scene& scene, const Light& light) override {
+    PixelBasis::prepare(scene, light);
     sums_.assign(light_);
   }
 

@@ -9,7 +9,7 @@ namespace penumbra {
 class PixelBasis : public Technique {
  public:
   explicit PixelBasis(const Parameters& p) : visibility_(p, "pixel-basis") {}
-  void prepare(const Scene& scene) override;
+  void prepare(const Scene& scene, const Light& light) override;
   void update(const Frame& frame) override;
   void shade(View<vec3> radiance) override;
   Footprint footprint() const override;

@@ -35,13 +35,13 @@ class RayTraced : public Technique {
         spheres_(p.text("occluder") == "spheres"),
         refit_(p.text("tree") == "refit") {}
 
-  void prepare(const Scene& scene) override {
+  void prepare(const Scene& scene, const Light& light) override {
     if (spheres_ && scene.spheres.empty()) throw Unsupported("occluder = spheres: the scene has no spheres");
     const auto& on = scene.receivers.on_occluder;
     if (spheres_ && std::any_of(on.begin(), on.end(), [](std::uint8_t lies) { return lies != 0; }))
       throw Unsupported("occluder = spheres: receivers lie on the mesh, inside its spheres");
     build(scene.mesh, scene.spheres);
-    set_light(scene.light, scene.receivers);
+    set_light(light, scene.receivers);
   }
 
   void update(const Frame& frame) override {

@@ -34,12 +34,12 @@ ShExponentiation::ShExponentiation(const Parameters& p)
   for (int l = 0; l < order_; ++l) job_.lobe[l] = float(std::sqrt(4.0 * pi / (2.0 * l + 1.0)) * lobe[l]);
 }
 
-void ShExponentiation::prepare(const Scene& scene) {
+void ShExponentiation::prepare(const Scene& scene, const Light& light) {
   if (scene.spheres.empty()) throw Unsupported("the scene has no spheres");
   make_tables();
   set_receivers(scene.receivers);
   set_spheres(scene.spheres, true);
-  set_light(scene.light);
+  set_light(light);
 }
 
 void ShExponentiation::update(const Frame& frame) {

@@ -19,7 +19,7 @@ constexpr int normal_texels = 32;  ///< along an edge of the table of normals
 class ShExponentiation : public Technique {
  public:
   explicit ShExponentiation(const Parameters& p);
-  void prepare(const Scene& scene) override;
+  void prepare(const Scene& scene, const Light& light) override;
   void update(const Frame& frame) override;
   void shade(View<vec3> radiance) override;
   Footprint footprint() const override;

@@ -22,12 +22,12 @@ ShLighting::ShLighting(const Parameters& p, bool packets)
   request_.packets = packets;
 }
 
-void ShLighting::prepare(const Scene& scene) {
+void ShLighting::prepare(const Scene& scene, const Light& light) {
   request_.mesh_albedo = scene.receiver_spec.albedo;
   if (!set_) set_.emplace(order_, directions_, seed_);
   rays_.build(scene.mesh);
   set_transfer(scene.mesh, scene.receivers);
-  set_light(scene.light);
+  set_light(light);
 }
 
 void ShLighting::update(const Frame& frame) {

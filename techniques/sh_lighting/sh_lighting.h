@@ -19,7 +19,7 @@ namespace penumbra::sh_lighting {
 class ShLighting : public Technique {
  public:
   explicit ShLighting(const Parameters& p, bool packets = false);
-  void prepare(const Scene& scene) override;
+  void prepare(const Scene& scene, const Light& light) override;
   void update(const Frame& frame) override;
   void shade(View<vec3> radiance) override;
   Footprint footprint() const override;

@@ -86,9 +86,9 @@ void FilteredVisibility::refresh(const Mesh& mesh, const Light& light, const Rec
   visibility_.resize(std::size_t(receivers.size()));
 }
 
-void FilteredVisibility::prepare(const Scene& scene) {
+void FilteredVisibility::prepare(const Scene& scene, const Light& light) {
   rays_.build(scene.mesh);
-  refresh(scene.mesh, scene.light, scene.receivers, {false, false, true, true});
+  refresh(scene.mesh, light, scene.receivers, {false, false, true, true});
   receivers_moved(true);
 }
 

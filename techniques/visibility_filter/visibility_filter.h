@@ -16,7 +16,7 @@ namespace penumbra::visibility_filter {
 
 class FilteredVisibility : public Technique {
  public:
-  void prepare(const Scene& scene) override;
+  void prepare(const Scene& scene, const Light& light) override;
   void update(const Frame& frame) override;
   void shade(View<vec3> radiance) override;
   Footprint footprint() const override;

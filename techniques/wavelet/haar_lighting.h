@@ -36,9 +36,9 @@ class HaarLighting : public Technique {
         all_(6 * n_ * n_),
         table_normals_(p.text("normals") == "table") {}
 
-  void prepare(const Scene& scene) override {
+  void prepare(const Scene& scene, const Light& light) override {
     visibility_.prepare(scene);
-    set_light(scene.light);
+    set_light(light);
     set_receivers(scene.receivers);
   }
 

@@ -64,9 +64,6 @@ std::vector<Lines> cases_of(const Lines& lines) {
         ++end;
       }
       if (lines[k].starts_with("#[receivers.camera]")) hide(shown, "plane", k - 1);
-      if (lines[k].starts_with("#[light.area]"))
-        for (std::string& line : shown)
-          if (line.starts_with("environment = ")) line.clear();
       cases.push_back(shown);
       k = end;
     } else if (is_hidden_key(lines[k])) {

@@ -106,11 +106,12 @@ TEST(SceneFile, MistakesNameFileLineKeyAndWhatIsAllowed) {
       {"nan",
        scene_text(good_occluder, "[receivers]\nplane = { half_extent = nan, resolution = 4 }\n", good_light),
        {"half_extent"}},
-      {"two lights",
-       scene_text(
-           good_occluder, good_receivers,
-           "[light]\nenvironment = \"constant\"\narea = { centre = [0,1,0], edge_u = [1,0,0], edge_v = [0,0,1] }\n"),
-       {"exactly one of environment, area"}},
+      {"no light", scene_text(good_occluder, good_receivers, "[light]\n"), {"t.toml", "environment", "area"}},
+      {"a second lamp that is none",
+       scene_text(good_occluder, good_receivers,
+                  "[[light.area]]\ncentre = [0,1,0]\nedge_u = [1,0,0]\nedge_v = [0,0,1]\n[[light.area]]\ncentre = "
+                  "[0,1,0]\n"),
+       {"light.area[1]", "edge_u"}},
       {"unknown light",
        scene_text(good_occluder, good_receivers, "[light]\nenvironment = \"moon\"\n"),
        {"light.environment", "city", "lamps"}},

@@ -74,8 +74,8 @@ void AreaShadow::refresh(const Mesh& mesh, const Light& light, const Receivers& 
   map_changed();
 }
 
-void AreaShadow::prepare(const Scene& scene) {
-  refresh(scene.mesh, scene.light, scene.receivers, {true, true, true, true});
+void AreaShadow::prepare(const Scene& scene, const Light& light) {
+  refresh(scene.mesh, light, scene.receivers, {true, true, true, true});
 }
 
 void AreaShadow::update(const Frame& frame) {

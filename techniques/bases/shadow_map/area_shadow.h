@@ -20,7 +20,7 @@ class AreaShadow : public Technique {
   explicit AreaShadow(const Parameters& parameters);
   AreaShadow(const Parameters& parameters, float region_bias);
 
-  void prepare(const Scene& scene) override;
+  void prepare(const Scene& scene, const Light& light) override;
   void update(const Frame& frame) override;
   void shade(View<vec3> radiance) override;
   Footprint footprint() const override;
