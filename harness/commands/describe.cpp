@@ -37,10 +37,11 @@ Measured measured_by_suites(const Entry& entry, const Registry& registry) {
     const auto same = [&](const Variant& v) { return v.entry->name == entry.name; };
     if (!std::any_of(suite.variants.begin(), suite.variants.end(), same)) continue;
     measured.suites.push_back(name);
-    for (const std::string& scene : suite.scenes) const SceneOutline outline = read_outline(scene);
-    if (measured.scene.empty() && (entry.lights.environment || !outline.environment) &&
-        (entry.lights.area || !outline.lamps))
-      measured.scene = scene;
+    for (const std::string& scene : suite.scenes) {
+      const SceneOutline outline = read_outline(scene);
+      const bool fits = (entry.lights.environment || !outline.environment) && (entry.lights.area || !outline.lamps);
+      if (measured.scene.empty() && fits) measured.scene = scene;
+    }
   }
   return measured;
 }

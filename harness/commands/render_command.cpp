@@ -32,11 +32,12 @@ void render(const RenderOptions& options) {
   const std::string backend =
       options.backend.empty() ? to_string(registry.usual_backends(options.technique).back()) : options.backend;
   const Entry& entry = registry.find(options.technique, backend);
-  const auto technique = make_technique(entry, options.parameters, scene.light);
+  make_technique(entry, options.parameters);  // mistakes are told before the scene is loaded
   Progress progress;
   const Scene scene = load_scene(options.scene, {options.spheres, {}}, progress);
   if (!entry.lights.accepts(scene.light))
     throw Unsupported(entry.title() + " cannot shade the light of scene " + scene.name);
+  const auto technique = make_technique(entry, options.parameters, scene.light);
   progress.step("preparing " + entry.title());
   const auto start = std::chrono::steady_clock::now();
   technique->prepare(scene);
