@@ -117,10 +117,6 @@ void check_mirrors(TomlReader& file, const Scene& scene, bool has_spheres) {
     file.fail("mirror", "is seen by a camera alone; the receivers are none");
   const bool shadow = std::any_of(spec.mirrors.begin(), spec.mirrors.end(), [](const Mirror& m) { return m.shadow; });
   if (!shadow) return;
-  if (scene.motion.moves_occluder())
-    file.fail("mirror",
-              "blocks light and would have to move with the occluder: give it `shadow = false`, or let nothing move "
-              "but the light");
   if (has_spheres)
     file.fail("mirror",
               "blocks light, and the occluder's spheres do not stand for it: give it `shadow = false`, or leave "

@@ -12,8 +12,8 @@ ReceiverSpec read_receivers(TomlReader at, const ImportedMesh& mesh, dvec3& orig
 /// Every [[mirror]] of the file.
 std::vector<Mirror> read_mirrors(TomlReader& file, dvec3 origin);
 
-/// Throws Error where the scene's mirrors cannot be what the file says. A mirror's shadow joins the occluder's mesh,
-/// and can follow neither its motion nor its spheres.
+/// Throws Error where the scene's mirrors cannot be what the file says. A mirror's shadow joins the mesh, and no
+/// spheres stand for it.
 void check_mirrors(TomlReader& file, const Scene& scene, bool has_spheres);
 
 }  // namespace penumbra

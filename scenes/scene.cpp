@@ -17,8 +17,8 @@ vec3 axis_of(const Motion& motion) {
 }
 
 /// Of what swings about its rest.
-float swing(const Motion& motion, int index) {
-  return motion.amount * float(std::sin(2.0 * pi * index / motion.period));
+float phase_of(const Motion& motion, int index) {
+  return float(std::sin(2.0 * pi * index / motion.period));
 }
 
 /// `light` is a copy of the one at rest, turned before.
@@ -38,17 +38,18 @@ void turn_light(const Light& rest, const Motion& motion, int index, Light& light
 }
 
 /// Where a point of the rest shape goes.
-vec3 moved(const Motion& motion, const Bounds& rest, vec3 p, float angle) {
+vec3 moved(const Motion& motion, const Bounds& rest, vec3 p, float phase) {
+  const float angle = motion.amount * phase;
   const float height = std::max(rest.extent().y, 1e-20f), up = p.y - rest.low.y, h = up / height;
-  const vec3 axis = axis_of(motion), beside = p - axis;
+  const vec3 axis = axis_of(motion), beside = p - axis, travelled = phase * motion.travel;
   switch (motion.kind) {
     case Motion::Kind::rigid:
-      return axis + turn_y(beside, angle);
+      return axis + turn_y(beside, angle) + travelled;
     case Motion::Kind::twist:
-      return axis + turn_y(beside, angle * h);
+      return axis + turn_y(beside, angle * h) + travelled;
     case Motion::Kind::bend: {  // about +z, from the ground up
       const float c = std::cos(angle * h), s = std::sin(angle * h);
-      return {axis.x + c * beside.x - s * up, rest.low.y + s * beside.x + c * up, p.z};
+      return vec3(axis.x + c * beside.x - s * up, rest.low.y + s * beside.x + c * up, p.z) + travelled;
     }
     default:
       return p;
@@ -56,13 +57,13 @@ vec3 moved(const Motion& motion, const Bounds& rest, vec3 p, float angle) {
 }
 
 /// Where a normal of the rest shape goes: by the cofactors of the motion's derivative.
-vec3 moved_normal(const Motion& motion, const Bounds& rest, vec3 p, vec3 normal, float angle) {
+vec3 moved_normal(const Motion& motion, const Bounds& rest, vec3 p, vec3 normal, float phase) {
   const float step = 1e-2f * std::max({rest.extent().x, rest.extent().y, rest.extent().z, 1e-20f});
   dvec3 d[3];
   for (int c = 0; c < 3; ++c) {
     vec3 beside(0.0f);
     beside[c] = step;
-    d[c] = dvec3(moved(motion, rest, p + beside, angle)) - dvec3(moved(motion, rest, p - beside, angle));
+    d[c] = dvec3(moved(motion, rest, p + beside, phase)) - dvec3(moved(motion, rest, p - beside, phase));
   }
   const dvec3 n = double(normal.x) * glm::cross(d[1], d[2]) + double(normal.y) * glm::cross(d[2], d[0]) +
                   double(normal.z) * glm::cross(d[0], d[1]);
@@ -70,50 +71,95 @@ vec3 moved_normal(const Motion& motion, const Bounds& rest, vec3 p, vec3 normal,
   return length > 0.0 ? vec3(n / length) : normal;
 }
 
+/// An entity's own mesh.
+Mesh part_of(const Mesh& all, const Entity& entity) {
+  const auto taken = [](const auto& from, const Entity::Range& range) {
+    const auto first = from.begin() + std::ptrdiff_t(range.first);
+    return std::vector(first, first + std::ptrdiff_t(range.count));
+  };
+  Mesh mesh;
+  mesh.origin = all.origin;
+  mesh.positions = taken(all.positions, entity.vertices);
+  if (!all.normals.empty()) mesh.normals = taken(all.normals, entity.vertices);
+  mesh.triangles = taken(all.triangles, entity.triangles);
+  for (uvec3& t : mesh.triangles) t -= unsigned(entity.vertices.first);
+  return mesh;
+}
+
 }  // namespace
 
-Animation::Animation(const Scene& scene) : scene_(scene), rest_(bounds(scene.mesh)) {
+Animation::Animation(const Scene& scene) : scene_(scene) {
   if (scene.motion.kind == Motion::Kind::rotate_light) light_ = scene.light;
-  if (!deforms()) return;
-  mesh_ = scene.mesh, spheres_ = scene.spheres;
-  if (!mesh_.empty() && !spheres_.empty()) carrier_ = SphereCarrier(mesh_, spheres_, scene.motion.carry);
+  if (scene.entities.empty())
+    begin({scene.name, {0, scene.mesh.positions.size()}, {0, scene.mesh.triangles.size()}, {0, scene.spheres.size()}});
+  for (const Entity& entity : scene.entities) begin(entity);
+  if (deforms()) mesh_ = scene.mesh, spheres_ = scene.spheres;
+}
+
+void Animation::begin(const Entity& entity) {
+  Moving part;
+  part.entity = entity;
+  if (entity.motion.kind == Motion::Kind::none) part.entity.motion = scene_.motion;
+  if (!part.entity.motion.moves_occluder()) return;
+  part.rest = part_of(scene_.mesh, entity);
+  part.box = bounds(part.rest);
+  const auto first = scene_.spheres.spheres.begin() + std::ptrdiff_t(entity.spheres.first);
+  part.rest_spheres.spheres.assign(first, first + std::ptrdiff_t(entity.spheres.count));
+  if (!part.rest.empty() && !part.rest_spheres.empty())
+    part.carrier = SphereCarrier(part.rest, part.rest_spheres, part.entity.motion.carry);
+  part.mesh = part.rest, part.spheres = part.rest_spheres;
+  moving_.push_back(std::move(part));
+}
+
+int Animation::frames() const {
+  int frames = scene_.motion.kind == Motion::Kind::none ? 1 : scene_.motion.frames;
+  for (const Moving& part : moving_) frames = std::max(frames, part.entity.motion.frames);
+  return frames;
+}
+
+void Animation::move(Moving& part, int index) {
+  const Motion& motion = part.entity.motion;
+  const float phase = phase_of(motion, index);
+  for (std::size_t i = 0; i < part.mesh.positions.size(); ++i)
+    part.mesh.positions[i] = moved(motion, part.box, part.rest.positions[i], phase);
+  for (std::size_t i = 0; i < part.mesh.normals.size(); ++i)
+    part.mesh.normals[i] = moved_normal(motion, part.box, part.rest.positions[i], part.rest.normals[i], phase);
+  if (!part.mesh.empty()) part.carrier.move(part.mesh, part.spheres);
+  else
+    for (std::size_t i = 0; i < part.spheres.size(); ++i)
+      part.spheres.spheres[i].centre = moved(motion, part.box, part.rest_spheres.spheres[i].centre, phase);
+  const auto put = [](const auto& from, auto& to, std::size_t first) {
+    std::copy(from.begin(), from.end(), to.begin() + std::ptrdiff_t(first));
+  };
+  put(part.mesh.positions, mesh_.positions, part.entity.vertices.first);
+  put(part.mesh.normals, mesh_.normals, part.entity.vertices.first);
+  put(part.spheres.spheres, spheres_.spheres, part.entity.spheres.first);
 }
 
 ReceiverSpec Animation::receiver_spec(int index) const {
   ReceiverSpec spec = scene_.receiver_spec;
   auto* camera = std::get_if<Camera>(&spec.kind);
   if (!camera || !scene_.motion.moves_camera()) return spec;
-  const float by = swing(scene_.motion, index);
+  const float by = scene_.motion.amount * phase_of(scene_.motion, index);
   const vec3 away = camera->eye - camera->target;
   camera->eye = camera->target + (scene_.motion.kind == Motion::Kind::orbit ? turn_y(away, by) : std::exp(by) * away);
   return spec;
 }
 
 Frame Animation::frame(int index) {
-  const Motion& motion = scene_.motion;
   Changes changed;
-  if (motion.kind == Motion::Kind::rotate_light) {
+  if (scene_.motion.kind == Motion::Kind::rotate_light) {
     changed.light = true;
-    turn_light(scene_.light, motion, index, light_);
-  } else if (deforms()) {
-    changed.mesh = changed.spheres = true;
-    const float angle = swing(motion, index);
-    for (std::size_t i = 0; i < mesh_.positions.size(); ++i)
-      mesh_.positions[i] = moved(motion, rest_, scene_.mesh.positions[i], angle);
-    for (std::size_t i = 0; i < mesh_.normals.size(); ++i)
-      mesh_.normals[i] = moved_normal(motion, rest_, scene_.mesh.positions[i], scene_.mesh.normals[i], angle);
-    if (!mesh_.empty()) carrier_.move(mesh_, spheres_);
-    else
-      for (std::size_t i = 0; i < spheres_.size(); ++i)
-        spheres_.spheres[i].centre = moved(motion, rest_, scene_.spheres.spheres[i].centre, angle);
-    if (!std::holds_alternative<PlaneGrid>(scene_.receiver_spec.kind)) {
-      changed.receivers = true;
-      receivers_ = make_receivers(scene_.receiver_spec, mesh_);
-    }
+    turn_light(scene_.light, scene_.motion, index, light_);
   }
-  if (motion.moves_camera()) {
+  if (deforms()) {
+    changed.mesh = changed.spheres = true;
+    for (Moving& part : moving_) move(part, index);
+  }
+  const bool on_plane = std::holds_alternative<PlaneGrid>(scene_.receiver_spec.kind);
+  if ((changed.mesh && !on_plane) || scene_.motion.moves_camera()) {
     changed.receivers = true;
-    receivers_ = make_receivers(receiver_spec(index), scene_.mesh);
+    receivers_ = make_receivers(receiver_spec(index), changed.mesh ? mesh_ : scene_.mesh);
   }
   return {double(index),
           changed.mesh ? mesh_ : scene_.mesh,

@@ -21,18 +21,31 @@ struct Motion {
   int frames = 1;        ///< how many frames a run walks through
   Carry carry = Carry::rigid;
   vec3 centre{0.0f};  ///< shapes and lamps turn about the vertical axis through it
+  vec3 travel{0.0f};  ///< m: how far what blocks light goes besides, at most
   bool moves_occluder() const { return kind == Kind::twist || kind == Kind::bend || kind == Kind::rigid; }
   bool moves_camera() const { return kind == Kind::orbit || kind == Kind::dolly; }
+};
+
+/// A thing of a scene: so many vertices, triangles and spheres of it in a row, and how they move.
+struct Entity {
+  struct Range {
+    std::size_t first = 0, count = 0;
+    std::size_t end() const { return first + count; }
+  };
+  std::string name;
+  Range vertices, triangles, spheres;
+  Motion motion = {};  ///< its own; none: as the scene's says
 };
 
 /// Rest state of everything. Techniques receive it once, in prepare(). All of it is counted from `origin`, which lies
 /// near the receivers: what a scene looks like does not depend on where it lies.
 struct Scene {
   std::string name;
-  dvec3 origin{0.0};  ///< in the coordinates of the scene's file
-  Mesh mesh;
-  SphereSet spheres;
-  std::string objective;  ///< that the spheres were fitted for; empty if they were given
+  dvec3 origin{0.0};             ///< in the coordinates of the scene's file
+  Mesh mesh;                     ///< of all entities, one after the other, and of mirrors
+  SphereSet spheres;             ///< of all entities
+  std::vector<Entity> entities;  ///< none: all is one
+  std::string objective;         ///< that the spheres were fitted for; empty if they were given
   Receivers receivers;
   Light light;
   Motion motion;
@@ -54,8 +67,8 @@ struct Frame {
   Changes changed;
 };
 
-/// Walks a scene through its motion. The mesh deforms and carries its spheres along; spheres without a mesh follow the
-/// motion themselves.
+/// Walks a scene through its motions. Meshes deform and carry their spheres along; spheres without a mesh follow the
+/// motion themselves. An entity without a motion of its own follows the scene's.
 class Animation {
  public:
   /// The scene must outlive this and its frames.
@@ -64,18 +77,29 @@ class Animation {
   /// What does not move is the scene's own.
   Frame frame(int index);
   const Scene& scene() const { return scene_; }
-  /// Does the motion move the occluder?
-  bool deforms() const { return scene_.motion.moves_occluder(); }
+  /// Does something that blocks light move?
+  bool deforms() const { return !moving_.empty(); }
   /// The scene's receivers as they are asked for in a frame: a camera may move.
   ReceiverSpec receiver_spec(int index) const;
-  int frames() const { return scene_.motion.kind == Motion::Kind::none ? 1 : scene_.motion.frames; }
+  /// The longest motion's.
+  int frames() const;
 
  private:
+  /// An entity that moves, apart from the others.
+  struct Moving {
+    Entity entity;
+    Mesh rest, mesh;
+    SphereSet rest_spheres, spheres;
+    Bounds box;  ///< at rest
+    SphereCarrier carrier;
+  };
+  void begin(const Entity& entity);
+  void move(Moving& part, int index);
+
   const Scene& scene_;
-  Bounds rest_;
+  std::vector<Moving> moving_;
   Mesh mesh_;
   SphereSet spheres_;
-  SphereCarrier carrier_;
   Light light_;
   Receivers receivers_;
 };

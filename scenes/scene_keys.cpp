@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+
+#include "scenes/assets.h"
 
 namespace penumbra {
 
@@ -31,6 +34,16 @@ std::string exactly_one(TomlReader& at, const std::vector<std::string>& kinds) {
                 at.name("").substr(0, at.name("").size() - 1),
                 found.empty() ? "no kind" : fmt::format("{}", fmt::join(found, " and ")), fmt::join(kinds, ", "));
   return found[0];
+}
+
+std::string resolve(const TomlReader& at, const std::string& key, const std::string& name, const std::string& kind,
+                    const char* built_in) {
+  if (std::string file = at_key(at, key, [&] { return asset_file(name, kind); }); !file.empty()) return file;
+  const auto path = std::filesystem::path(at.file()).parent_path() / name;
+  if (std::filesystem::exists(path)) return path.string();
+  at.fail(key, fmt::format("is '{}': no such asset or file; allowed are the names {} and {}, or a path relative to "
+                           "the scene file",
+                           name, asset_names(kind), built_in));
 }
 
 }  // namespace penumbra

@@ -70,7 +70,8 @@ std::string vector_text(vec3 v) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x, v.y, v.z);
 }
 
-std::string mesh_text(const Scene& scene, const std::string& name) {
+std::string mesh_text(const Scene& scene, std::string name) {
+  if (scene.entities.size() > 1) name = fmt::format("{} entities", scene.entities.size());
   if (scene.mesh.empty()) return name;
   const vec3 extent = bounds(scene.mesh).extent();
   return fmt::format("{}: {} triangles, {:.3g} x {:.3g} x {:.3g} m", name, scene.mesh.triangles.size(), extent.x,
@@ -114,7 +115,13 @@ std::string light_text(const Scene& scene, const Light& light, const std::string
                      vector_text(vec3(dvec3(lamp.centre) + scene.origin)), vector_text(lamp.radiance));
 }
 
-std::string motion_text(const Motion& motion, const std::string& kind) {
+std::string motion_text(const Scene& scene, const std::string& kind) {
+  const Motion& motion = scene.motion;
+  const auto own = std::count_if(scene.entities.begin(), scene.entities.end(),
+                                 [](const Entity& e) { return e.motion.kind != Motion::Kind::none; });
+  if (own > 0)
+    return fmt::format("{} of {} entities move{}", own, scene.entities.size(),
+                       motion.kind == Motion::Kind::none ? "" : "; " + kind);
   if (motion.kind == Motion::Kind::none) return "none";
   const bool dolly = motion.kind == Motion::Kind::dolly;
   return fmt::format("{} by {:.3g} {}, period {:.4g} frames, {} frames", kind,
@@ -187,7 +194,7 @@ std::string describe_scene(const std::string& name_or_path, int width) {
   line("spheres", spheres_text(outline));
   line("receivers", receivers_text(scene));
   line("light", light_text(scene, scene.light, named("light", "environment")));
-  line("motion", motion_text(scene.motion, named("motion", "kind")));
+  line("motion", motion_text(scene, named("motion", "kind")));
   line("try", fmt::format("penumbra choose {0} --error 2%, penumbra run quick --scene {0}", name_or_path));
   return text;
 }

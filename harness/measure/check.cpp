@@ -89,7 +89,7 @@ Row empty_row(const Variant& variant, const SceneContext& context, const Suite& 
   row.id = identity_of(as_loaded, variant);
   row.id.receivers = std::size_t(scene.receivers.size());
   row.facts.scene_key = context.key();
-  row.facts.key = measurement_key(context.key(), scene.motion, row.id, suite);
+  row.facts.key = measurement_key(context.key(), scene, row.id, suite);
   if (variant.external) row.facts.key = external_key(*variant.external, row.facts.key);
   if (const std::string why = reason_to_skip(*variant.entry, scene.light); !why.empty()) row.status = "skipped: " + why;
   return row;

@@ -14,7 +14,7 @@ namespace {
 Scene without_receivers(const Scene& scene) {
   Scene out;
   out.name = scene.name, out.origin = scene.origin, out.mesh = scene.mesh;
-  out.spheres = scene.spheres, out.objective = scene.objective;
+  out.spheres = scene.spheres, out.entities = scene.entities, out.objective = scene.objective;
   out.light = scene.light, out.motion = scene.motion, out.receiver_spec = scene.receiver_spec;
   return out;
 }

@@ -158,16 +158,27 @@ Plan make_plan(const Suite& suite, const std::string& filter, int repetitions) {
   return plan;
 }
 
-std::string measurement_key(const std::string& scene_key, const Motion& motion, const RowIdentity& id,
+namespace {
+
+void add_motion(ContentHash& hash, const Motion& motion) {
+  hash.add_value(int(motion.kind)), hash.add_value(int(motion.carry));
+  hash.add_value(motion.amount), hash.add_value(motion.period), hash.add_value(motion.frames);
+  add_vec(hash, motion.centre);
+  if (motion.travel != vec3(0.0f)) add_vec(hash, motion.travel);
+}
+
+}  // namespace
+
+std::string measurement_key(const std::string& scene_key, const Scene& scene, const RowIdentity& id,
                             const Suite& suite) {
   const std::string text = fmt::format("{}|{}|{}|noise {}|sequence {}|attribution {}|baseline {}", scene_key,
                                        id.full_name(), id.receivers, suite.truth_noise, suite.sequence,
                                        suite.attribution, suite.baseline ? suite.baseline->label() : "none");
   ContentHash hash;
   hash.add(text);
-  hash.add_value(int(motion.kind)), hash.add_value(int(motion.carry));
-  hash.add_value(motion.amount), hash.add_value(motion.period), hash.add_value(motion.frames);
-  add_vec(hash, motion.centre);
+  add_motion(hash, scene.motion);
+  for (const Entity& entity : scene.entities)
+    if (entity.motion.kind != Motion::Kind::none) add_motion(hash, entity.motion);
   return hash.digest();
 }
 

@@ -49,9 +49,9 @@ RowIdentity identity_of(const SceneOutline& scene, const Variant& variant);
 /// The texels along an edge of a cube face at which a variant works: its parameter "resolution", or 32.
 int resolution_of(const Parameters& parameters);
 
-/// SHA-1 over all that a row depends on but the program and the machine: the content of its scene (`scene_key` and the
-/// motion), the variant, and what the suite wants to know of it.
-std::string measurement_key(const std::string& scene_key, const Motion& motion, const RowIdentity& id,
+/// SHA-1 over all that a row depends on but the program and the machine: the content of its scene (`scene_key` and its
+/// motions), the variant, and what the suite wants to know of it.
+std::string measurement_key(const std::string& scene_key, const Scene& scene, const RowIdentity& id,
                             const Suite& suite);
 
 }  // namespace penumbra

@@ -102,7 +102,9 @@ TEST(BlackTruth, ReferencesOfTheDarkAreBlackAndOthersAreNot) {
 class Nearly : public Technique {
  public:
   explicit Nearly(float share) : share_(share) {}
-  void prepare(const Scene& scene) override { radiance_ = share_ * float(light_scale(scene.light, scene.receivers)); }
+  void prepare(const Scene& scene, const Light& light) override {
+    radiance_ = share_ * float(light_scale(light, scene.receivers));
+  }
   void update(const Frame&) override {}
   void shade(View<vec3> radiance) override {
     for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] = vec3(radiance_);

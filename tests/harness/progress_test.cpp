@@ -156,7 +156,7 @@ bool has_timer_thread() {
 /// Notes whether the timer thread lives while it is prepared and while it is timed.
 class Witness : public Technique {
  public:
-  void prepare(const Scene&) override { prepared_beside_timer = has_timer_thread(); }
+  void prepare(const Scene&, const Light&) override { prepared_beside_timer = has_timer_thread(); }
   void update(const Frame&) override {}
   void shade(View<vec3> radiance) override {
     timer_beside_last_frame = has_timer_thread();

@@ -12,7 +12,7 @@ namespace {
 class Blinking : public Technique {
  public:
   explicit Blinking(float step) : step_(step) {}
-  void prepare(const Scene&) override {}
+  void prepare(const Scene&, const Light&) override {}
   void update(const Frame& frame) override { value_ = 1.0f + (int(frame.time) % 2 ? step_ : 0.0f); }
   void shade(View<vec3> radiance) override {
     for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] = vec3(value_);

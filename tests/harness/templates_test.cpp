@@ -123,6 +123,8 @@ TEST_F(Templates, EveryDocumentedKeyOfASceneIsRead) {
     if (text.find("\nseed = ") != std::string::npos) text = replaced(text, "\"torus-knot\"", "\"primitives\"");
     if (text.find("\nmapping = ") != std::string::npos || text.find("\nlayer = ") != std::string::npos)
       text = replaced(text, "environment = \"softbox\"", "environment = \"my-light.exr\"");
+    if (const auto entity = text.find("\n[[entity]]"); entity != std::string::npos)
+      text.erase(text.find("[occluder]"), entity - text.find("[occluder]"));
     if (text.find("\n[[mirror]]") != std::string::npos)
       text = replaced(text, "plane = { half_extent",
                       "camera = { eye = [0, 1, 1], target = [0, 0, 0], width = 4, height = 4 } #");

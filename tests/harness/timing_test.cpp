@@ -18,7 +18,7 @@ class FixedClock final : public Clock {
 
 class Ticking final : public Technique {
  public:
-  void prepare(const Scene&) override {}
+  void prepare(const Scene&, const Light&) override {}
   void update(const Frame&) override { ++frames; }
   void shade(View<vec3>) override {
     if (frames == fail_at) throw std::runtime_error("stuck");

@@ -127,7 +127,7 @@ TEST(Mirror, BlocksLightUnlessItIsToldNotTo) {
   const std::string twist = "[motion]\nkind = \"twist\"\n", turning = "[motion]\nkind = \"rotate-light\"\n";
   const std::string spheres = "mesh = \"box\"\nspheres = [[0, 0, 0, 0.5]]\n";
   const auto error = [&](const std::string& text) { return test::error_of([&] { load(text); }); };
-  EXPECT_NE(error(file("", "mesh = \"box\"\n", twist)).find("shadow = false"), std::string::npos);
+  EXPECT_EQ(error(file("", "mesh = \"box\"\n", twist)), "");
   EXPECT_NE(error(file("", spheres)).find("shadow = false"), std::string::npos);
   EXPECT_EQ(error(file("", "mesh = \"box\"\n", turning)), "");
   EXPECT_EQ(error(file("shadow = false\n", spheres, twist)), "");
