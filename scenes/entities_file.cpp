@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "scenes/names.h"
 #include "scenes/scene_keys.h"
@@ -187,11 +188,14 @@ Motion read_motion_of(TomlReader& at, dvec3 origin, dvec3 centre, bool (*allowed
   return motion;
 }
 
+/// Of an entity's box; of its spheres' centres where it has no mesh.
 dvec3 middle_of(const EntityList& list, const Entity& entity) {
-  ImportedMesh part;
-  part.positions.assign(list.mesh.positions.begin() + std::ptrdiff_t(entity.vertices.first),
-                        list.mesh.positions.begin() + std::ptrdiff_t(entity.vertices.end()));
-  return bounds(part).centre();
+  dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  const auto take = [&](dvec3 p) { low = glm::min(low, p), high = glm::max(high, p); };
+  for (std::size_t i = entity.vertices.first; i < entity.vertices.end(); ++i) take(list.mesh.positions[i]);
+  if (entity.vertices.count == 0)
+    for (std::size_t i = entity.spheres.first; i < entity.spheres.end(); ++i) take(dvec3(list.spheres[i]));
+  return low.x <= high.x ? 0.5 * (low + high) : dvec3(0.0);
 }
 
 }  // namespace

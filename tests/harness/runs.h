@@ -14,7 +14,7 @@ namespace penumbra::test {
 class Fake : public Technique {
  public:
   explicit Fake(std::string mode) : mode_(std::move(mode)) {}
-  void prepare(const Scene&) override {
+  void prepare(const Scene&, const Light&) override {
     if (mode_ == "spy") seen = read_text(watched);
     if (mode_ == "signals" && --signals_at == 0) raise(SIGTERM);
     if (mode_ == "throws") throw std::runtime_error("out of ideas");
