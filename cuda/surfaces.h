@@ -21,7 +21,9 @@ class DeviceSurfaces {
   void queue_box(const Stream& stream, int r);
 
   Span<const float> visibility() const { return visibility_.span(); }
-  std::size_t bytes() const { return words_.bytes() + depth_.bytes() + caster_.bytes() + visibility_.bytes(); }
+  std::size_t bytes() const {
+    return words_.bytes() + depth_.bytes() + caster_.bytes() + radius_.bytes() + visibility_.bytes();
+  }
 
  private:
   unsigned blocks_of_words(unsigned threads_a_word = 1) const;
@@ -30,6 +32,7 @@ class DeviceSurfaces {
   Rows rows_;
   Buffer<std::uint64_t> words_;
   Buffer<float> depth_, caster_, visibility_;
+  Buffer<std::uint8_t> radius_;
 };
 
 }  // namespace penumbra::PENUMBRA_CUDA_NAMESPACE

@@ -68,21 +68,37 @@ __global__ void __launch_bounds__(threads) mix_columns(Rows rows, int r) {
   if (y < rows.height) rows.look_along(1 + k % inner, y, r);
 }
 
+/// Where a pixel lies in its image.
+struct ImagePoint {
+  int x, y;
+};
+__device__ inline ImagePoint point_of(const Rows& rows, std::size_t i) {
+  return {int(i % std::size_t(rows.width)), int(i / std::size_t(rows.width))};
+}
+
 __global__ void __launch_bounds__(threads)
-    filter_surfaces(PixelSpans pixels, Rows rows, Filtering how, Span<const float> to_eye, Span<float> visibility) {
+    find_radii(PixelSpans pixels, Rows rows, Filtering how, Span<const float> to_eye, Span<std::uint8_t> radius) {
+  const std::size_t i = global_thread();
+  if (i >= radius.size) return;
+  const auto [x, y] = point_of(rows, i);
+  radius[i] = std::uint8_t(visibility_filter::radius_by_bits(rows, pixels.depth, pixels.caster, x, y,
+                                                             to_eye.size > 0 ? to_eye[i] : 1.0f, how));
+  tally(20);
+}
+
+__global__ void __launch_bounds__(threads)
+    filter_surfaces(Rows rows, Span<const std::uint8_t> radius, Span<float> visibility) {
   const std::size_t i = global_thread();
   if (i >= visibility.size) return;
-  const int x = int(i % std::size_t(rows.width)), y = int(i / std::size_t(rows.width));
-  visibility[i] = visibility_filter::filter_by_bits(rows, pixels.depth, pixels.caster, x, y,
-                                                    to_eye.size > 0 ? to_eye[i] : 1.0f, how)
-                      .visibility;
-  tally(20);
+  const auto [x, y] = point_of(rows, i);
+  visibility[i] = visibility_filter::visibility_by_bits(rows, x, y, radius[i]);
+  tally(1);
 }
 
 __global__ void __launch_bounds__(threads) filter_boxes(Rows rows, int r, Span<float> visibility) {
   const std::size_t i = global_thread();
   if (i >= visibility.size) return;
-  const int x = int(i % std::size_t(rows.width)), y = int(i / std::size_t(rows.width));
+  const auto [x, y] = point_of(rows, i);
   visibility[i] = visibility_filter::box_by_bits(rows, x, y, r);
   tally(1);
 }
@@ -96,7 +112,7 @@ void DeviceSurfaces::resize(const Stream& stream, int width, int height) {
                                          &rows_.near_dark, &rows_.near_lit,   &rows_.mixed};
   const std::size_t count = rows_.words();
   words_.resize(std::size(planes) * count);
-  visibility_.resize(std::size_t(width) * std::size_t(height));
+  visibility_.resize(std::size_t(width) * std::size_t(height)), radius_.resize(visibility_.size());
   std::uint64_t* next = words_.span().data;
   for (Span<std::uint64_t>* plane : planes) *plane = {next, count}, next += count;
   launch(stream, PENUMBRA_KERNEL(clear_words), blocks_for(words_.size(), threads), threads, words_.span());
@@ -119,8 +135,9 @@ void DeviceSurfaces::queue_filter(const Stream& stream, const Filtering& how, Sp
   const PixelSpans pixels{depth_.span(), caster_.span()};
   launch(stream, PENUMBRA_KERNEL(make_words<true>), blocks_of_words(warp_lanes), threads, pixels, how.epsilon, rows_);
   queue_mixed(stream, how.search_radius());
-  launch(stream, PENUMBRA_KERNEL(filter_surfaces), blocks_for(visibility_.size(), threads), threads, pixels, rows_, how,
-         to_eye, visibility_.span());
+  const auto blocks = blocks_for(visibility_.size(), threads);
+  launch(stream, PENUMBRA_KERNEL(find_radii), blocks, threads, pixels, rows_, how, to_eye, radius_.span());
+  launch(stream, PENUMBRA_KERNEL(filter_surfaces), blocks, threads, rows_, radius_.span(), visibility_.span());
 }
 
 void DeviceSurfaces::queue_box(const Stream& stream, int r) {

@@ -112,9 +112,9 @@ class AdaptiveSimd final : public Packets<Adaptive> {
   void filter_row(int y, Widths& widths) {
     const float *depth = pixels_.depth.data(), *caster = pixels_.caster.data();
     for (int x = 0, i = y * pixels_.width; x < pixels_.width; ++x, ++i) {
-      const Filtered found = filter_by_bits(bits_, depth, caster, x, y, to_eye(std::size_t(i)), filtering_);
-      visibility_[i] = found.visibility;
-      widths.note(found.radius);
+      const int radius = radius_by_bits(bits_, depth, caster, x, y, to_eye(std::size_t(i)), filtering_);
+      visibility_[i] = visibility_by_bits(bits_, x, y, radius);
+      widths.note(radius);
     }
   }
 };

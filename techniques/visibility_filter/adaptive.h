@@ -30,18 +30,21 @@ struct Filtered {
 Filtered filter_by_rings(const PixelMap& map, int x, int y, float to_eye, const Filtering& how,
                          std::vector<std::uint8_t>& same);
 
-/// By bits, which know what windows hold nothing but light or nothing but shadow. `depth` and `caster` are the map's.
+/// By bits, which know what windows hold nothing but light or nothing but shadow: first the radius, 0 of a pixel that
+/// keeps its own visibility, then the visibility. `depth` and `caster` are the map's.
 template <class Words, class Floats>
-PENUMBRA_HD Filtered filter_by_bits(const SurfaceRows<Words>& bits, const Floats& depth, const Floats& caster, int x,
-                                    int y, float to_eye, const Filtering& how) {
-  const bool open = bits.bit(bits.open, x, y), mixed = bits.bit(bits.mixed, x, y);
-  Filtered out{0, float(open)};
-  if (!bits.bit(bits.seen, x, y) || (open && !(how.borrows && mixed))) return out;
+PENUMBRA_HD int radius_by_bits(const SurfaceRows<Words>& bits, const Floats& depth, const Floats& caster, int x, int y,
+                               float to_eye, const Filtering& how) {
+  const bool open = bits.bit(bits.open, x, y);
+  if (!bits.bit(bits.seen, x, y) || (open && !(how.borrows && bits.bit(bits.mixed, x, y)))) return 0;
   const std::size_t i = bits.pixel(x, y);
   const float nearest = open ? bits.borrowed_caster(caster, x, y, how.search_radius()) : caster[i];
-  out.radius = filter_radius(how.model, depth[i], nearest, to_eye);
-  if (out.radius > 0 && mixed) out.visibility = bits.count(x, y, out.radius).mean();
-  return out;
+  return filter_radius(how.model, depth[i], nearest, to_eye);
+}
+template <class Words>
+PENUMBRA_HD float visibility_by_bits(const SurfaceRows<Words>& bits, int x, int y, int radius) {
+  if (radius > 0 && bits.bit(bits.mixed, x, y)) return bits.count(x, y, radius).mean();
+  return float(bits.bit(bits.open, x, y));
 }
 
 class Adaptive : public FilteredVisibility {

@@ -48,6 +48,7 @@ struct Case {
   PixelMap map = plates(512);
   SurfaceBits bits;
   std::vector<std::pair<int, int>> pixels;
+  bool equal;  ///< the masks, everywhere
 
   explicit Case(int r) {
     bits.set(map, epsilon, r);
@@ -55,25 +56,26 @@ struct Case {
     for (int y = 0; y < map.height; ++y)
       for (int x = 0; x < map.width; ++x)
         if (bits.is_mixed(x, y)) pixels.emplace_back(x, y);
+    equal = compare(r);
+  }
+
+  Counted by_rings(int x, int y, int r, std::vector<std::uint8_t>& same) const {
+    find_surface(map, x, y, r, epsilon, same);
+    return count_surface(map, x, y, r, same);
+  }
+
+ private:
+  bool compare(int r) const {
+    std::vector<std::uint8_t> same;
+    std::size_t cut = 0;
+    for (const auto& [x, y] : pixels) {
+      const Counted rings = by_rings(x, y, r, same);
+      if (bits.count(x, y, r) != rings) return false;
+      cut += rings.all < (2 * r + 1) * (2 * r + 1);
+    }
+    return cut > pixels.size() / 10;  // else there was nothing to mask
   }
 };
-
-Counted by_rings(const Case& c, int x, int y, int r, std::vector<std::uint8_t>& same) {
-  find_surface(c.map, x, y, r, epsilon, same);
-  return count_surface(c.map, x, y, r, same);
-}
-
-/// Are both equal everywhere?
-bool agree(const Case& c, int r) {
-  std::vector<std::uint8_t> same;
-  std::size_t cut = 0;
-  for (const auto& [x, y] : c.pixels) {
-    const Counted rings = by_rings(c, x, y, r, same);
-    if (c.bits.count(x, y, r) != rings) return false;
-    cut += rings.all < (2 * r + 1) * (2 * r + 1);
-  }
-  return cut > c.pixels.size() / 10;  // else there was nothing to mask
-}
 
 int radius_of(const benchmark::State& state) {
   return (int(state.range(0)) - 1) / 2;
@@ -90,7 +92,7 @@ const Case& case_of(const benchmark::State& state) {
 template <class Count>
 void count_all(benchmark::State& state, const Count& count) {
   const Case& c = case_of(state);
-  if (!agree(c, radius_of(state))) return state.SkipWithError("the masks differ");
+  if (!c.equal) return state.SkipWithError("the masks differ");
   int sum = 0;
   for (auto _ : state)
     for (const auto& [x, y] : c.pixels) sum += count(c, x, y, radius_of(state)).open;
@@ -101,7 +103,7 @@ void count_all(benchmark::State& state, const Count& count) {
 
 void rings(benchmark::State& state) {
   std::vector<std::uint8_t> same;
-  count_all(state, [&](const Case& c, int x, int y, int r) { return by_rings(c, x, y, r, same); });
+  count_all(state, [&](const Case& c, int x, int y, int r) { return c.by_rings(x, y, r, same); });
 }
 void bits(benchmark::State& state) {
   count_all(state, [](const Case& c, int x, int y, int r) { return c.bits.count(x, y, r); });
