@@ -65,7 +65,8 @@ class SoftShadowOnDevice : public UnderLamp<pcss::SoftShadow> {
     return {at_.span(),      width_.span(),      square_.span(),  link_.span(),
             blocker_.span(), visibility_.span(), receiver_count()};
   }
-  SampledMap map() const { return {{depth_.span(), map_.resolution(), map_.stride()}, sample_offsets_.span()}; }
+  MapSpans depths() const { return {depth_.span(), map_.resolution(), map_.stride()}; }
+  SampledMap map() const { return {depths(), sample_offsets_.span()}; }
   template <class Floats>
   Levels<Floats> levels_of(Floats bounds, Floats means) const {
     return {options_.layout, map_.resolution(), largest_, bounds, means};
@@ -78,7 +79,7 @@ class SoftShadowOnDevice : public UnderLamp<pcss::SoftShadow> {
     if (!options_.multi_scale) return;
     const auto levels = levels_of<Span<float>>(bounds_.span(), means_.span());
     const auto squares = [&](int level) { return std::size_t(levels.stride(level)) * levels.stride(level); };
-    launch(stream_, PENUMBRA_KERNEL(copy_map), blocks_for(squares(0), threads), threads, map(), levels);
+    launch(stream_, PENUMBRA_KERNEL(copy_map), blocks_for(squares(0), threads), threads, depths(), levels);
     for (int level = 1; level <= largest_; ++level)
       launch(stream_, PENUMBRA_KERNEL(build_level), blocks_for(squares(level), threads), threads, levels, level);
   }
