@@ -24,9 +24,10 @@ __global__ void __launch_bounds__(threads)
   const shadow_map::Projected at =
       shadow_map::project(view, bias, receivers.position[i], receivers.normal[i], receivers.touches[i] != 0);
   const int x = int(i % std::size_t(receivers.width)), y = int(i / std::size_t(receivers.width));
-  visibility[i] =
-      shadow_map_traced::share_of_rays(how, view, map, at, points.pattern, points.point, int(points.point.size),
-                                       turn_of(points.pattern, x, y), shadow_map_traced::step_number(x, y));
+  float u, v;
+  find_turn(points.pattern, x, y, u, v);
+  visibility[i] = shadow_map_traced::share_of_rays(how, view, map, at, points.pattern, points.point,
+                                                   int(points.point.size), u, v, shadow_map_traced::step_number(x, y));
   tally(60);
 }
 

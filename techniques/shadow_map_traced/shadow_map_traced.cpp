@@ -22,9 +22,11 @@ void Traced::find_visibility(Tile& tile) {
   Draws draws;
   timed(project_part, [&] { draw(tile, draws); });
   timed(filter_part, [&] {
+    const Pattern kind = pattern();
+    const std::vector<vec2>& all = points();
     for (int k = 0; k < tile.size(); ++k)
-      tile.visibility[k] = share_of_rays(how_, map_.view, map_, tile.at(k), pattern(), points(), int(points().size()),
-                                         {draws.turns.u[k], draws.turns.v[k]}, draws.steps[k]);
+      tile.visibility[k] = share_of_rays(how_, map_.view, map_, tile.at(k), kind, all, int(all.size()),
+                                         draws.turns.u[k], draws.turns.v[k], draws.steps[k]);
   });
 }
 

@@ -65,7 +65,7 @@ PENUMBRA_HD inline float step_number(int x, int y) {
 
 /// The depth that `map` stores at (x, y); outside of it nothing is.
 template <class Map>
-PENUMBRA_HD float stored(const Map& map, float x, float y) {
+PENUMBRA_HD inline float stored(const Map& map, float x, float y) {
   const auto edge = float(map.resolution());
   if (!(x >= 0.0f && y >= 0.0f && x < edge && y < edge)) return std::numeric_limits<float>::infinity();
   return map.at(int(x), int(y));
@@ -73,8 +73,8 @@ PENUMBRA_HD float stored(const Map& map, float x, float y) {
 
 /// Does ray number `ray`, from the lamp's `point` (placed()), hit anything before it comes to the receiver?
 template <class Map>
-PENUMBRA_HD bool walk(const Walking& how, const LightView& view, const Map& map, const Projected& receiver, int ray,
-                      vec2 point, float random) {
+PENUMBRA_HD inline bool walk(const Walking& how, const LightView& view, const Map& map, const Projected& receiver,
+                             int ray, vec2 point, float random) {
   const float near = view.near, d = receiver.depth, whole = view.region(near, d);
   const float place = place_in_step(how, ray, random);
   Walk walk{near, std::numeric_limits<float>::infinity(), 0.0f, false};
@@ -87,14 +87,15 @@ PENUMBRA_HD bool walk(const Walking& how, const LightView& view, const Map& map,
   return walk.hit;
 }
 
-/// Share of the rays from `points` of the lamp, turned by `turn` and in steps by `random`, that come to a receiver.
+/// Share of the rays from `points` of the lamp, turned by (u, v) and in steps by `random`, that come to a receiver.
 template <class Map, class Points>
-PENUMBRA_HD float share_of_rays(const Walking& how, const LightView& view, const Map& map, const Projected& receiver,
-                                Pattern kind, const Points& points, int count, vec2 turn, float random) {
+PENUMBRA_HD inline float share_of_rays(const Walking& how, const LightView& view, const Map& map,
+                                       const Projected& receiver, Pattern kind, const Points& points, int count,
+                                       float u, float v, float random) {
   int hits = 0;
   const bool below = receiver.depth > view.near;
   for (int ray = 0; below && ray < count; ++ray)
-    hits += walk(how, view, map, receiver, ray, placed(kind, points[std::size_t(ray)], turn.x, turn.y), random);
+    hits += walk(how, view, map, receiver, ray, placed(kind, points[std::size_t(ray)], u, v), random);
   return 1.0f - float(hits) / float(count);
 }
 

@@ -7,19 +7,24 @@
 namespace penumbra {
 namespace visibility_filter {
 
-float Fixed::mean_about(int x, int y) const {
+namespace {
+
+float mean_about(const PixelMap& map, const Receivers& receivers, int x, int y, int r) {
   Counted counted;
-  for (int v = std::max(0, y - radius_); v <= std::min(pixels_.height - 1, y + radius_); ++v)
-    for (int u = std::max(0, x - radius_); u <= std::min(pixels_.width - 1, x + radius_); ++u) {
-      const int i = v * pixels_.width + u;
-      if (receivers_->valid(i)) counted.all += 1, counted.open += pixels_.open[i];
+  for (int v = std::max(0, y - r); v <= std::min(map.height - 1, y + r); ++v)
+    for (int u = std::max(0, x - r); u <= std::min(map.width - 1, x + r); ++u) {
+      const int i = v * map.width + u;
+      if (receivers.valid(i)) counted.all += 1, counted.open += map.open[i];
     }
   return counted.mean();
 }
 
+}  // namespace
+
 void Fixed::filter() {
   for (int y = 0, i = 0; y < pixels_.height; ++y)
-    for (int x = 0; x < pixels_.width; ++x, ++i) visibility_[i] = receivers_->valid(i) ? mean_about(x, y) : 1.0f;
+    for (int x = 0; x < pixels_.width; ++x, ++i)
+      visibility_[i] = receivers_->valid(i) ? mean_about(pixels_, *receivers_, x, y, radius_) : 1.0f;
 }
 
 namespace {

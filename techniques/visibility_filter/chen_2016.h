@@ -21,9 +21,6 @@ class Fixed : public FilteredVisibility {
   void filter() override;
 
   int radius_;
-
- private:
-  float mean_about(int x, int y) const;
 };
 
 }  // namespace penumbra::visibility_filter

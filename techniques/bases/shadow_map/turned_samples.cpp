@@ -16,10 +16,8 @@ std::vector<vec2> make_samples(Pattern kind, int count) {
 void find_turns(Pattern kind, const Tile& tile, Turns& turns) {
   auto& [u, v] = turns;
   u.resize(std::size_t(tile.size()) + Tile::padding), v.resize(u.size());
-  for (int k = 0; k < tile.size(); ++k) {
-    const vec2 turn = turn_of(kind, tile.column + k % tile.columns, tile.row + k / tile.columns);
-    u[k] = turn.x, v[k] = turn.y;
-  }
+  for (int k = 0; k < tile.size(); ++k)
+    find_turn(kind, tile.column + k % tile.columns, tile.row + k / tile.columns, u[k], v[k]);
 }
 
 }  // namespace penumbra::shadow_map

@@ -31,11 +31,14 @@ PENUMBRA_HD inline vec2 placed(Pattern kind, vec2 sample, float u, float v) {
 }
 
 /// The (u, v) of the receiver in column x and row y of its image.
-PENUMBRA_HD inline vec2 turn_of(Pattern kind, int x, int y) {
+PENUMBRA_HD inline void find_turn(Pattern kind, int x, int y, float& u, float& v) {
   const RandomTriple random = random_triple(std::uint64_t(y) << 32 | std::uint32_t(x), 0);
-  if (kind == Pattern::lattice) return {random.x, random.y};
+  if (kind == Pattern::lattice) {
+    u = random.x, v = random.y;
+    return;
+  }
   const float angle = float(2.0 * pi) * (kind == Pattern::vogel ? gradient_noise(x, y) : random.x);
-  return {std::cos(angle), std::sin(angle)};
+  u = std::cos(angle), v = std::sin(angle);
 }
 
 /// What turns or shifts the samples of each receiver of a tile: see placed(). Padded for whole vectors, as a tile is.
