@@ -133,6 +133,12 @@ class OnDevice : public Scalar {
   /// Bytes in device memory, without those of receivers and radiance.
   virtual Footprint device_bytes() const = 0;
 
+  /// A stretch of the stream that stages() tells.
+  template <class Work>
+  void stage(const std::string& name, const Work& work) {
+    stages_.measure(stream_, name, work);
+  }
+
   ReceiverSpans receivers() const { return receivers_on_device_.spans(); }
   std::size_t receiver_count() const { return radiance_.size(); }
 

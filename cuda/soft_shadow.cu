@@ -7,16 +7,9 @@
 
 namespace penumbra::PENUMBRA_CUDA_NAMESPACE {
 
-class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
+class SoftShadowOnDevice : public UnderLamp<pcss::SoftShadow> {
  public:
-  using OnDevice::OnDevice;
-
-  std::vector<Stage> stages() const override {  // the host's rays, then the device
-    // NOLINTNEXTLINE(bugprone-parent-virtual-call): both are wanted
-    std::vector<Stage> all = SoftShadow::stages(), device = OnDevice::stages();
-    all.insert(all.end(), device.begin(), device.end());
-    return all;
-  }
+  using UnderLamp::UnderLamp;
 
  protected:
   void find_unshadowed(const LampOutline&, int, int, float*) const override {}  // by a kernel
@@ -39,7 +32,7 @@ class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
   }
 
   void queue() override {
-    const auto each = blocks_for(receiver_count(), threads);
+    const auto each = blocks_of_receivers();
     ReceiverState r = state();
     launch(stream_, PENUMBRA_KERNEL(search_regions), each, threads, map_.view, const_levels(), options_, bias_,
            receivers(), r);
@@ -57,14 +50,14 @@ class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
     const std::size_t state_bytes = at_.bytes() + width_.bytes() + square_.bytes() + link_.bytes() + linked_.bytes() +
                                     blocker_.bytes() + visibility_.bytes() + list_.bytes() + value_.bytes() +
                                     weight_.bytes() + value_between_.bytes() + weight_between_.bytes();
-    return {kernel_on_device_.bytes() + sample_offsets_.bytes(), unshadowed_on_device_.bytes(),
+    return {kernel_on_device_.bytes() + sample_offsets_.bytes(), light_bytes(),
             depth_.bytes() + bounds_.bytes() + means_.bytes() + state_bytes};
   }
 
  private:
   void resize(std::size_t n) {
     at_.resize(n), width_.resize(n), square_.resize(n), link_.resize(n), linked_.resize(n), blocker_.resize(n);
-    visibility_.resize(n), unshadowed_on_device_.resize(n), list_.resize(n), value_.resize(n), weight_.resize(n);
+    visibility_.resize(n), list_.resize(n), value_.resize(n), weight_.resize(n);
     value_between_.resize(n), weight_between_.resize(n), gathered_.resize(1);
   }
 
@@ -72,7 +65,8 @@ class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
     return {at_.span(),      width_.span(),      square_.span(),  link_.span(),
             blocker_.span(), visibility_.span(), receiver_count()};
   }
-  MapSpans map() const { return {depth_.span(), sample_offsets_.span(), map_.resolution(), map_.stride()}; }
+  MapSpans depths() const { return {depth_.span(), map_.resolution(), map_.stride()}; }
+  SampledMap map() const { return {depths(), sample_offsets_.span()}; }
   template <class Floats>
   Levels<Floats> levels_of(Floats bounds, Floats means) const {
     return {options_.layout, map_.resolution(), largest_, bounds, means};
@@ -81,19 +75,18 @@ class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
 
   /// What depends on light, map and receivers alone, once they change: unshadowed light, and the multi-scale map.
   void build() {
-    launch(stream_, PENUMBRA_KERNEL(light_receivers), blocks_for(receiver_count(), threads), threads, lamp_,
-           receivers(), unshadowed_on_device_.span());
+    queue_light();
     if (!options_.multi_scale) return;
     const auto levels = levels_of<Span<float>>(bounds_.span(), means_.span());
     const auto squares = [&](int level) { return std::size_t(levels.stride(level)) * levels.stride(level); };
-    launch(stream_, PENUMBRA_KERNEL(copy_map), blocks_for(squares(0), threads), threads, map(), levels);
+    launch(stream_, PENUMBRA_KERNEL(copy_map), blocks_for(squares(0), threads), threads, depths(), levels);
     for (int level = 1; level <= largest_; ++level)
       launch(stream_, PENUMBRA_KERNEL(build_level), blocks_for(squares(level), threads), threads, levels, level);
   }
 
   /// Links after sharing, and the list of receivers that find a result of their own.
   Span<int> share(const pcss::Reuse& how, const ReceiverState& r) {
-    const auto each = blocks_for(receiver_count(), threads);
+    const auto each = blocks_of_receivers();
     Span<int> links = r.link;
     if (how.area > 1) {
       links = r.link.data == link_.span().data ? linked_.span() : link_.span();
@@ -124,7 +117,7 @@ class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
   }
 
   void queue_image(const ReceiverState& r) {
-    const auto each = blocks_for(receiver_count(), threads);
+    const auto each = blocks_of_receivers();
     const MaskedSpans image{value_.span(), weight_.span()}, between{value_between_.span(), weight_between_.span()};
     launch(stream_, PENUMBRA_KERNEL(spread_visibility), each, threads, receivers(), r, image);
     if (options_.blur > 0) {
@@ -133,8 +126,7 @@ class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
       launch(stream_, PENUMBRA_KERNEL(blur_image_columns), each, threads, between, kernel_on_device_.span(), width,
              value_.span());
     }
-    launch(stream_, PENUMBRA_KERNEL(compose), each, threads, receivers(), unshadowed_on_device_.span(), value_.span(),
-           emitted_, radiance_.span());
+    queue_compose(value_.span());
   }
 
   int largest_ = 0;
@@ -142,7 +134,7 @@ class SoftShadowOnDevice : public OnDevice<pcss::SoftShadow> {
   Buffer<std::int32_t> sample_offsets_;
   Buffer<shadow_map::Projected> at_;
   Buffer<Square> square_;
-  Buffer<float> width_, blocker_, visibility_, unshadowed_on_device_;
+  Buffer<float> width_, blocker_, visibility_;
   Buffer<float> value_, weight_, value_between_, weight_between_;
   Buffer<int> link_, linked_, list_;
   Buffer<unsigned> gathered_;

@@ -1,7 +1,8 @@
 // The kernels of soft_shadow.cu: what techniques/pcss does to a tile of receivers, a thread a receiver.
 #pragma once
 
-#include "cuda/on_device.h"
+#include "cuda/lamp.h"
+#include "cuda/shadow_map.h"
 #include "techniques/pcss/soft_shadow.h"
 
 namespace penumbra::PENUMBRA_CUDA_NAMESPACE {
@@ -13,7 +14,6 @@ using pcss::Sum;
 using shadow_map::LightView;
 using shadow_map::Square;
 
-constexpr unsigned threads = 128;
 template <class Floats>
 using Levels = pcss::MultiScaleLevels<Floats>;
 
@@ -27,17 +27,9 @@ struct ReceiverState {
   std::size_t count;
 };
 
-/// The shadow map, as shadow_map::ShadowMap, and samples in it.
-struct MapSpans {
-  Span<const float> depth;
+/// The shadow map and samples in it.
+struct SampledMap : MapSpans {
   Span<const std::int32_t> samples;
-  int edge, row;
-  __device__ int resolution() const { return edge; }
-  __device__ std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(row) + std::size_t(x); }
-  __device__ float at(int x, int y) const {
-    tally(2);
-    return depth[index(x, y)];
-  }
 };
 
 // NOLINTBEGIN(misc-definitions-in-headers): this header is a part of soft_shadow.cu, which alone reads it
@@ -59,14 +51,6 @@ __global__ void __launch_bounds__(threads) build_level(Levels<Span<float>> level
 }
 
 // --- regions ---------------------------------------------------------------------------------------------------------
-
-__global__ void __launch_bounds__(threads)
-    light_receivers(LampOutline lamp, ReceiverSpans receivers, Span<float> factor) {
-  const std::size_t i = global_thread();
-  if (i >= factor.size) return;
-  factor[i] = receivers.valid(i) ? form_factor(lamp, receivers.position[i], receivers.normal[i]) : 0.0f;
-  tally(float(60 * (lamp.radius > 0.0f ? 1 : lamp.count)));
-}
 
 __device__ inline void take_region(const ReceiverState& r, std::size_t i, const Region& region) {
   r.width[i] = region.width, r.square[i] = region.square;
@@ -180,7 +164,7 @@ __device__ Blockers traverse(const Levels<Span<const float>>& levels, const Squa
 }
 
 template <Sum how, bool depths>
-__device__ Blockers blockers_in(const MapSpans& map, const Levels<Span<const float>>& levels, int tree_depth,
+__device__ Blockers blockers_in(const SampledMap& map, const Levels<Span<const float>>& levels, int tree_depth,
                                 const shadow_map::Projected& at, float width, const Square& square) {
   const float d = shadow_map::blocking_depth(at.depth, at.rise, width);
   if constexpr (how == Sum::texels) {
@@ -202,7 +186,7 @@ __device__ Blockers blockers_in(const MapSpans& map, const Levels<Span<const flo
 /// Step 2: mean depths of blockers, for the listed receivers.
 template <Sum how>
 __global__ void __launch_bounds__(threads)
-    sum_blockers(MapSpans map, Levels<Span<const float>> levels, int tree_depth, Span<const int> list,
+    sum_blockers(SampledMap map, Levels<Span<const float>> levels, int tree_depth, Span<const int> list,
                  Span<const unsigned> count, ReceiverState r) {
   const unsigned k = global_thread();
   if (k >= count[0]) return;
@@ -213,7 +197,7 @@ __global__ void __launch_bounds__(threads)
 /// Step 4: shares of open texels, for the listed receivers.
 template <Sum how>
 __global__ void __launch_bounds__(threads)
-    sum_filter(MapSpans map, Levels<Span<const float>> levels, int tree_depth, Span<const int> list,
+    sum_filter(SampledMap map, Levels<Span<const float>> levels, int tree_depth, Span<const int> list,
                Span<const unsigned> count, ReceiverState r) {
   const unsigned k = global_thread();
   if (k >= count[0]) return;
@@ -262,13 +246,6 @@ __global__ void __launch_bounds__(threads)
                 value, weight);
   out[i] = weight > 0.0f ? value / weight : 1.0f;
   tally(float(8 * kernel.size));
-}
-
-__global__ void __launch_bounds__(threads) compose(ReceiverSpans receivers, Span<const float> unshadowed,
-                                                   Span<const float> visibility, vec3 emitted, Span<vec3> radiance) {
-  const std::size_t i = global_thread();
-  if (i < radiance.size) radiance[i] = receivers.albedo[i] * (unshadowed[i] * visibility[i] * emitted);
-  tally(7);
 }
 
 // NOLINTEND(misc-definitions-in-headers)

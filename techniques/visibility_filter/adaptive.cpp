@@ -1,12 +1,9 @@
-// visibility-filter: the width of every pixel's filter follows from how large lamp and nearest caster are seen, and a
-// mask keeps it on its surface (Yang et al. 2019). A lit pixel has no caster of its own: it takes the one of the
-// nearest shadowed pixel on its surface within half the widest filter.
+#include "techniques/visibility_filter/adaptive.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "techniques/bases/for_ranges.h"
-#include "techniques/visibility_filter/filter_width.h"
-#include "techniques/visibility_filter/visibility_filter.h"
 
 namespace penumbra {
 namespace visibility_filter {
@@ -34,93 +31,66 @@ vec3 extent_of_seen(const Receivers& r) {
   return seen.extent();
 }
 
-/// Of the pixels that were filtered.
-struct Widths {
-  std::size_t filtered = 0, sum = 0;
-  int narrowest = 0, widest = 0;
-  void note(int r) { add({1, std::size_t(2 * r + 1), 2 * r + 1, 2 * r + 1}); }
-  void add(const Widths& other) {
-    narrowest = filtered == 0         ? other.narrowest
-                : other.filtered == 0 ? narrowest
-                                      : std::min(narrowest, other.narrowest);
-    widest = std::max(widest, other.widest);
-    filtered += other.filtered, sum += other.sum;
+}  // namespace
+
+Adaptive::Adaptive(const Parameters& p)
+    : light_share_(float(p.number("light_share"))),
+      depth_units_(float(p.number("depth"))),
+      epsilon_units_(float(p.number("epsilon"))),
+      lamp_width_(p.text("light") == "lamp"),
+      follows_eye_(p.text("view") == "adaptive") {
+  filtering_.borrows = p.text("lit") == "nearest";
+  filtering_.model.most = p.integer("width");
+  filtering_.model.caster_share = float(p.number("caster_share"));
+  filtering_.model.literal = p.text("angles") == "literal";
+}
+
+void Adaptive::receivers_moved(bool at_rest) {
+  const Receivers& r = *receivers_;
+  const vec3 extent = extent_of_seen(r);
+  const float across = 2.0f * std::sqrt(lamp_area_ / float(pi));  // of a disc of the lamp's area
+  WidthModel& model = filtering_.model;
+  model.light_diameter = lamp_width_ ? across : (extent.x + extent.y + extent.z) / (3.0f * light_share_);
+  if (!at_rest) return;
+  const bool eye = !r.view_depth.empty();
+  const double mean =
+      mean_over_seen(r, [&](int i) { return eye ? r.view_depth[i] : glm::distance(lamp_.centre, r.position[i]); });
+  const float unit = float(mean) / published_depth;
+  filtering_.epsilon = epsilon_units_ * unit;
+  model.view_depth = eye && follows_eye_ ? depth_units_ * unit : 0.0f;
+}
+
+Filtered filter_by_rings(const PixelMap& map, int x, int y, float to_eye, const Filtering& how,
+                         std::vector<std::uint8_t>& same) {
+  const std::size_t i = map.index(x, y);
+  Filtered out{0, float(map.open[i])};
+  float caster = map.caster[i];
+  if (map.open[i] != 0) {
+    if (!how.borrows) return out;
+    find_surface(map, x, y, how.search_radius(), how.epsilon, same);
+    caster = borrowed_caster(map, x, y, how.search_radius(), same);
   }
-};
+  out.radius = filter_radius(how.model, map.depth[i], caster, to_eye);
+  if (out.radius == 0) return out;
+  find_surface(map, x, y, out.radius, how.epsilon, same);
+  out.visibility = count_surface(map, x, y, out.radius, same).mean();
+  return out;
+}
 
-class Adaptive : public FilteredVisibility {
- public:
-  explicit Adaptive(const Parameters& p)
-      : borrows_(p.text("lit") == "nearest"),
-        light_share_(float(p.number("light_share"))),
-        depth_units_(float(p.number("depth"))),
-        epsilon_units_(float(p.number("epsilon"))),
-        lamp_width_(p.text("light") == "lamp"),
-        follows_eye_(p.text("view") == "adaptive") {
-    model_.most = p.integer("width");
-    model_.caster_share = float(p.number("caster_share"));
-    model_.literal = p.text("angles") == "literal";
-  }
+void Adaptive::filter() {
+  widths_ = {};
+  std::vector<std::uint8_t> same;
+  for (int y = 0, i = 0; y < pixels_.height; ++y)
+    for (int x = 0; x < pixels_.width; ++x, ++i) {
+      visibility_[i] = pixels_.open[i];
+      if (!receivers_->valid(i)) continue;
+      const Filtered found = filter_by_rings(pixels_, x, y, to_eye(std::size_t(i)), filtering_, same);
+      visibility_[i] = found.visibility;
+      widths_.note(found.radius);
+    }
+}
 
-  std::map<std::string, std::size_t> counters() const override {
-    return {{"filtered", widths_.filtered},
-            {"narrowest", std::size_t(widths_.narrowest)},
-            {"widest", std::size_t(widths_.widest)},
-            {"sum_of_widths", widths_.sum}};
-  }
-
- protected:
-  /// D1, and at rest what the published units are in metres.
-  void receivers_moved(bool at_rest) override {
-    const Receivers& r = *receivers_;
-    const vec3 extent = extent_of_seen(r);
-    const float across = 2.0f * std::sqrt(lamp_area_ / float(pi));  // of a disc of the lamp's area
-    model_.light_diameter = lamp_width_ ? across : (extent.x + extent.y + extent.z) / (3.0f * light_share_);
-    if (!at_rest) return;
-    const bool eye = !r.view_depth.empty();
-    const double mean =
-        mean_over_seen(r, [&](int i) { return eye ? r.view_depth[i] : glm::distance(lamp_.centre, r.position[i]); });
-    const float unit = float(mean) / published_depth;
-    epsilon_ = epsilon_units_ * unit;
-    model_.view_depth = eye && follows_eye_ ? depth_units_ * unit : 0.0f;
-  }
-
-  int radius(std::size_t i, float caster) const {
-    const float to_eye = receivers_->view_depth.empty() ? 1.0f : receivers_->view_depth[i];
-    return filter_radius(model_, pixels_.depth[i], caster, to_eye);
-  }
-  int search_radius() const { return model_.most / 2; }
-
-  void filter() override {
-    widths_ = {};
-    std::vector<std::uint8_t> same;
-    for (int y = 0, i = 0; y < pixels_.height; ++y)
-      for (int x = 0; x < pixels_.width; ++x, ++i) {
-        float caster = pixels_.caster[i];
-        visibility_[i] = pixels_.open[i];
-        if (!receivers_->valid(i)) continue;
-        if (pixels_.open[i] != 0) {
-          if (!borrows_) continue;
-          find_surface(pixels_, x, y, search_radius(), epsilon_, same);
-          caster = borrowed_caster(pixels_, x, y, search_radius(), same);
-        }
-        const int r = radius(std::size_t(i), caster);
-        if (r == 0) continue;
-        find_surface(pixels_, x, y, r, epsilon_, same);
-        visibility_[i] = count_surface(pixels_, x, y, r, same).mean();
-        widths_.note(r);
-      }
-  }
-
-  float epsilon_ = 0.0f;
-  bool borrows_;
-  Widths widths_;
-
- private:
-  WidthModel model_;
-  float light_share_, depth_units_, epsilon_units_;
-  bool lamp_width_, follows_eye_;
-};
+namespace {
 
 class AdaptiveSimd final : public Packets<Adaptive> {
  public:
@@ -128,7 +98,7 @@ class AdaptiveSimd final : public Packets<Adaptive> {
 
  protected:
   void filter() override {
-    bits_.set(pixels_, epsilon_, search_radius());
+    bits_.set(pixels_, filtering_.epsilon, filtering_.search_radius());
     std::vector<Widths> rows(std::size_t(pixels_.height));
     for_ranges(pixels_.height, 4, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) filter_row(y, rows[y]);
@@ -139,14 +109,11 @@ class AdaptiveSimd final : public Packets<Adaptive> {
 
  private:
   void filter_row(int y, Widths& widths) {
+    const float *depth = pixels_.depth.data(), *caster = pixels_.caster.data();
     for (int x = 0, i = y * pixels_.width; x < pixels_.width; ++x, ++i) {
-      visibility_[i] = pixels_.open[i];
-      if (!receivers_->valid(i) || (pixels_.open[i] != 0 && (!borrows_ || !bits_.mixed(x, y)))) continue;
-      const float caster = pixels_.open[i] != 0 ? bits_.borrowed_caster(x, y, search_radius()) : pixels_.caster[i];
-      const int r = radius(std::size_t(i), caster);
-      if (r == 0) continue;
-      widths.note(r);
-      if (bits_.mixed(x, y)) visibility_[i] = bits_.count(x, y, r).mean();
+      const int radius = radius_by_bits(bits_, depth, caster, x, y, to_eye(std::size_t(i)), filtering_);
+      visibility_[i] = visibility_by_bits(bits_, x, y, radius);
+      widths.note(radius);
     }
   }
 };
@@ -175,6 +142,7 @@ void register_visibility_filter(Registry& registry) {
       choice_parameter("view", {"adaptive", "fixed"}, "widths in pixels shrink with the distance to the eye, or not")};
   entry.knobs = {{"width", {8, 12, 20, 32, 48, 63}}, {"light", {"extent", "lamp"}}};
   entry.small.set("width", 9);
+  entry.kernels.emplace();
   add_pair<Adaptive, AdaptiveSimd>(registry, std::move(entry));
 }
 

@@ -1,37 +1,33 @@
-// chen-2016: a box filter of one width for all pixels, which knows no surfaces: the predecessor of visibility-filter,
-// as Yang et al. 2019 describe it.
+#include "techniques/visibility_filter/chen_2016.h"
+
 #include <algorithm>
 
 #include "techniques/bases/for_ranges.h"
-#include "techniques/visibility_filter/visibility_filter.h"
 
 namespace penumbra {
 namespace visibility_filter {
+
 namespace {
 
-class Fixed : public FilteredVisibility {
- public:
-  explicit Fixed(const Parameters& p) : radius_((p.integer("width") - 1) / 2) {}
+float mean_about(const PixelMap& map, const Receivers& receivers, int x, int y, int r) {
+  Counted counted;
+  for (int v = std::max(0, y - r); v <= std::min(map.height - 1, y + r); ++v)
+    for (int u = std::max(0, x - r); u <= std::min(map.width - 1, x + r); ++u) {
+      const int i = v * map.width + u;
+      if (receivers.valid(i)) counted.all += 1, counted.open += map.open[i];
+    }
+  return counted.mean();
+}
 
- protected:
-  void filter() override {
-    for (int y = 0, i = 0; y < pixels_.height; ++y)
-      for (int x = 0; x < pixels_.width; ++x, ++i) visibility_[i] = receivers_->valid(i) ? mean_about(x, y) : 1.0f;
-  }
+}  // namespace
 
-  int radius_;
+void Fixed::filter() {
+  for (int y = 0, i = 0; y < pixels_.height; ++y)
+    for (int x = 0; x < pixels_.width; ++x, ++i)
+      visibility_[i] = receivers_->valid(i) ? mean_about(pixels_, *receivers_, x, y, radius_) : 1.0f;
+}
 
- private:
-  float mean_about(int x, int y) const {
-    Counted counted;
-    for (int v = std::max(0, y - radius_); v <= std::min(pixels_.height - 1, y + radius_); ++v)
-      for (int u = std::max(0, x - radius_); u <= std::min(pixels_.width - 1, x + radius_); ++u) {
-        const int i = v * pixels_.width + u;
-        if (receivers_->valid(i)) counted.all += 1, counted.open += pixels_.open[i];
-      }
-    return counted.mean();
-  }
-};
+namespace {
 
 class FixedSimd final : public Packets<Fixed> {
  public:
@@ -39,12 +35,11 @@ class FixedSimd final : public Packets<Fixed> {
 
  protected:
   void filter() override {
-    bits_.set(pixels_, 0.0f, radius_);
+    bits_.set(pixels_, std::nullopt, radius_);
     for_ranges(pixels_.height, 4, [&](int begin, int end) {
       for (int y = begin; y < end; ++y)
         for (int x = 0, i = y * pixels_.width; x < pixels_.width; ++x, ++i)
-          visibility_[i] = receivers_->valid(i) && bits_.mixed(x, y) ? bits_.count_all(x, y, radius_).mean()
-                                                                     : float(pixels_.open[i]);
+          visibility_[i] = box_by_bits(bits_, x, y, radius_);
     });
   }
 };
@@ -57,6 +52,7 @@ void register_chen_2016(Registry& registry) {
   Entry entry = entry_of_filter("chen-2016", "one ray to the lamp's centre, and a box filter", "Chen et al. 2016");
   entry.parameters = {integer_parameter("width", 9, 1, widest, "pixels", "of the box; an even one counts as one less")};
   entry.knobs = {{"width", {3, 5, 9, 15, 21, 31}}};
+  entry.kernels.emplace();
   add_pair<Fixed, FixedSimd>(registry, std::move(entry));
 }
 

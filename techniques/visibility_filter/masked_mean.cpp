@@ -22,7 +22,7 @@ void find_surface(const PixelMap& map, int x, int y, int r, float epsilon, std::
       for (int dx = -k; dx <= k; dx += std::abs(dy) == k ? 1 : 2 * k) {
         const int inner_x = std::clamp(dx, 1 - k, k - 1), inner_y = std::clamp(dy, 1 - k, k - 1);
         at(dx, dy) =
-            inside(dx, dy) && at(inner_x, inner_y) != 0 && std::fabs(depth(dx, dy) - depth(inner_x, inner_y)) < epsilon;
+            inside(dx, dy) && at(inner_x, inner_y) != 0 && joined(depth(dx, dy), depth(inner_x, inner_y), epsilon);
       }
 }
 

@@ -97,8 +97,12 @@ void FilteredVisibility::update(const Frame& frame) {
   if (frame.changed.receivers || frame.changed.light) receivers_moved(false);
 }
 
-void FilteredVisibility::shade(View<vec3> radiance) {
+void FilteredVisibility::look() {
   clock_.measure("visibility", [&] { trace(); });
+}
+
+void FilteredVisibility::shade(View<vec3> radiance) {
+  look();
   clock_.measure("filter", [&] { filter(); });
   clock_.measure("compose", [&] {
     for_ranges(receivers_->size(), 4096, [&](int begin, int end) {

@@ -10,7 +10,7 @@
 #include "techniques/bases/instruction_set.h"
 #include "techniques/bases/stage_clock.h"
 #include "techniques/registry.h"
-#include "techniques/visibility_filter/masked_mean.h"
+#include "techniques/visibility_filter/surface_bits.h"
 
 namespace penumbra::visibility_filter {
 
@@ -23,6 +23,8 @@ class FilteredVisibility : public Technique {
   std::vector<Stage> stages() const override { return clock_.stages(); }
 
  protected:
+  /// Calls trace(), as a stage.
+  void look();
   /// Fills pixels_: a ray from every receiver to the lamp's centre.
   virtual void trace();
   virtual void find_unshadowed();
@@ -34,6 +36,7 @@ class FilteredVisibility : public Technique {
   RayScene rays_;
   const Receivers* receivers_ = nullptr;
   LampOutline lamp_;
+  vec3 emitted_{0.0f};
   float lamp_area_ = 0.0f;  ///< m^2
   PixelMap pixels_;
   std::vector<float> unshadowed_, visibility_;
@@ -41,7 +44,6 @@ class FilteredVisibility : public Technique {
  private:
   void refresh(const Mesh& mesh, const Light& light, const Receivers& receivers, Changes changed);
 
-  vec3 emitted_{0.0f};
   StageClock clock_;
 };
 

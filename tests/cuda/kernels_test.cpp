@@ -7,6 +7,7 @@
 #include "harness/catalogue/catalogue.h"
 #include "harness/measure/parity.h"
 #include "scenes/scene_file.h"
+#include "techniques/visibility_filter/adaptive.h"
 #include "tests/support.h"
 #include "tests/techniques/ways_of_visibility.h"
 
@@ -237,6 +238,48 @@ TEST(Kernels, MultiScaleShadowsEqualTheScalarOnesToTheBit) {
   };
   if (on_device()) EXPECT_LT(test::difference(shaded("cuda"), shaded("scalar")), 1e-5) << "its own exp and atan2";
   else EXPECT_EQ(shaded("cuda"), shaded("scalar"));
+}
+
+TEST(Kernels, WalksOverTheMapEqualTheScalarOnesToTheBit) {
+  const Registry registry = cuda_on_host::make_registry();
+  Scene disc = thinned(load_scene("soft-random"), 40);
+  const AreaLight lamp = *area_light_of(disc.light);
+  disc.light = make_disc(lamp.centre, lamp.normal, 0.4f, lamp.radiance);
+  for (const Scene& scene :
+       {thinned(load_scene("bunny-lamp-large"), 40), thinned(load_scene("soft-random"), 40), disc}) {
+    const auto shaded = [&](const char* backend) {
+      const Entry& entry = registry.find("shadow-map-traced", backend);
+      return test::shade(*make_technique(entry, test::small_parameters(entry)), scene);
+    };
+    if (on_device()) EXPECT_LT(test::difference(shaded("cuda"), shaded("scalar")), 1e-3) << "its own sine and cosine";
+    else EXPECT_EQ(shaded("cuda"), shaded("scalar")) << scene.name;
+  }
+}
+
+/// The scalar filter over what packets of rays find, as on the device.
+class RingsOverPackets final : public visibility_filter::Adaptive {
+ public:
+  using Adaptive::Adaptive;
+
+ protected:
+  void trace() override { visibility_filter::trace_packets(rays_, *receivers_, lamp_.centre, pixels_); }
+};
+
+TEST(Kernels, FiltersEqualTheScalarOnesToTheBit) {
+  const Registry registry = cuda_on_host::make_registry();
+  const Entry& entry = registry.find("visibility-filter", "cuda");
+  for (const char* name : {"bunny-lamp-large", "soft-random"})
+    for (const int width : {20, 63}) {
+      const Scene scene = thinned(load_scene(name), 70);
+      Parameters parameters = test::small_parameters(entry);
+      parameters.set("width", width);
+      RingsOverPackets rings(parameters);
+      const std::vector<vec3> found = test::shade(*make_technique(entry, parameters), scene),
+                              expected = test::shade(rings, scene);
+      if (on_device()) EXPECT_LT(test::difference(found, expected), 1e-3) << "its own arc tangent";
+      else EXPECT_EQ(found, expected) << name << " " << width;
+      EXPECT_GT(rings.counters().at("filtered"), 100u);
+    }
 }
 
 // --- can it run here -------------------------------------------------------------------------------------------------

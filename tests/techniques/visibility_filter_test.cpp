@@ -1,45 +1,15 @@
-#include "techniques/visibility_filter/filter_width.h"
-#include "techniques/visibility_filter/masked_mean.h"
-
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
-#include <random>
+#include "techniques/visibility_filter/filter_width.h"
+#include "techniques/visibility_filter/surface_bits.h"
+#include "tests/techniques/random_pixels.h"
 
 namespace penumbra::visibility_filter {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+using test::random_map;
 
-/// Steps at random places, slopes, holes, pixels that show nothing, and patches of shadow.
-PixelMap random_map(int width, int height, unsigned seed) {
-  std::mt19937 random(seed);
-  const auto number = [&](int end) { return int(random() % unsigned(end)); };
-  PixelMap map;
-  map.resize(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const auto i = std::size_t(y * width + x);
-      map.depth[i] = 5.0f + 0.1f * float(x) + 0.05f * float(y);
-      map.open[i] = 1;
-    }
-  for (int patch = 0; patch < 6; ++patch) {
-    const int left = number(width), top = number(height), edge = 1 + number(12), kind = number(3);
-    for (int y = top; y < std::min(height, top + edge); ++y)
-      for (int x = left; x < std::min(width, left + edge); ++x) {
-        const auto i = std::size_t(y * width + x);
-        if (kind == 0) map.depth[i] -= 2.0f;
-        if (kind == 1) map.open[i] = 0;
-        if (kind == 2) map.depth[i] = number(3) == 0 ? std::numeric_limits<float>::quiet_NaN() : map.depth[i] + 1.0f;
-      }
-  }
-  for (std::size_t i = 0; i < map.open.size(); ++i) {
-    if (std::isnan(map.depth[i])) map.open[i] = 1;
-    map.caster[i] = map.open[i] ? infinity : 0.5f + 0.001f * float(i);
-  }
-  return map;
-}
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
 TEST(VisibilityFilter, BitsCountWhatRingsCount) {
   std::vector<std::uint8_t> same;
@@ -55,8 +25,9 @@ TEST(VisibilityFilter, BitsCountWhatRingsCount) {
         find_surface(map, x, y, r, 0.3f, same);
         const Counted rings = count_surface(map, x, y, r, same);
         ASSERT_EQ(bits.count(x, y, r), rings) << seed << ": " << x << ", " << y << " r " << r;
-        ASSERT_EQ(bits.borrowed_caster(x, y, r), borrowed_caster(map, x, y, r, same)) << seed << ": " << x << ", " << y;
-        if (!bits.mixed(x, y)) ASSERT_TRUE(rings.open == 0 || rings.open == rings.all);
+        ASSERT_EQ(bits.borrowed_caster(map.caster, x, y, r), borrowed_caster(map, x, y, r, same))
+            << seed << ": " << x << ", " << y;
+        if (!bits.is_mixed(x, y)) ASSERT_TRUE(rings.open == 0 || rings.open == rings.all);
         masked += rings.all < (2 * r + 1) * (2 * r + 1);
       }
   }
@@ -90,7 +61,43 @@ TEST(VisibilityFilter, SurfacesAreConnectedByRings) {
   bits.set(map, 0.3f, 5);
   EXPECT_EQ(bits.count(10, 10, 5), (Counted{11 * 8, 11 * 8}));       // rows 8 to 15
   EXPECT_EQ(bits.count_all(10, 10, 5), (Counted{11 * 11, 11 * 9}));  // no mask: it leaks
-  EXPECT_EQ(bits.borrowed_caster(10, 10, 5), infinity);
+  EXPECT_EQ(bits.borrowed_caster(map.caster, 10, 10, 5), infinity);
+}
+
+TEST(VisibilityFilter, ABoxNeedsNoLinks) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    const PixelMap map = random_map(70 + int(seed), 20, seed);
+    const int r = 1 + int(seed);
+    SurfaceBits with, without;
+    with.set(map, 0.3f, r), without.set(map, std::nullopt, r);
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x) {
+        ASSERT_EQ(with.is_mixed(x, y), without.is_mixed(x, y));
+        ASSERT_EQ(with.count_all(x, y, r), without.count_all(x, y, r));
+      }
+  }
+}
+
+TEST(VisibilityFilter, BitsOfASmallerMapForgetTheLarger) {
+  SurfaceBits used;
+  used.set(random_map(200, 60, 1), 0.3f, 9);
+  for (const auto& [width, height] : {std::pair(200, 60), {130, 40}, {40, 130}, {1, 1}, {0, 0}, {64, 64}}) {
+    const PixelMap map = random_map(width, height, 2);
+    SurfaceBits fresh;
+    fresh.set(map, 0.3f, 9), used.set(map, 0.3f, 9);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) ASSERT_EQ(used.count(x, y, 9), fresh.count(x, y, 9)) << x << ", " << y;
+  }
+}
+
+TEST(VisibilityFilter, BitsOfWordsAreFound) {
+  for (int low = 0; low < 64; ++low)
+    for (int high = low; high < 64; ++high) {
+      const std::uint64_t word = bit_at(low) | bit_at(high);
+      EXPECT_EQ(lowest_bit(word), low);
+      EXPECT_EQ(highest_bit(word), high);
+      EXPECT_EQ(bits_in(word), low == high ? 1 : 2);
+    }
 }
 
 TEST(VisibilityFilter, WidthsFollowTheAngles) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "techniques/bases/random.h"
 #include "techniques/bases/shadow_map/tile.h"
 
 namespace penumbra::shadow_map {
@@ -27,6 +28,17 @@ PENUMBRA_HD inline vec2 placed(Pattern kind, vec2 sample, float u, float v) {
   if (kind != Pattern::lattice) return {u * sample.x - v * sample.y, v * sample.x + u * sample.y};
   const vec2 s(sample.x + u, sample.y + v);
   return s - glm::floor(s) - 0.5f;
+}
+
+/// The (u, v) of the receiver in column x and row y of its image.
+PENUMBRA_HD inline void find_turn(Pattern kind, int x, int y, float& u, float& v) {
+  const RandomTriple random = random_triple(std::uint64_t(y) << 32 | std::uint32_t(x), 0);
+  if (kind == Pattern::lattice) {
+    u = random.x, v = random.y;
+    return;
+  }
+  const float angle = float(2.0 * pi) * (kind == Pattern::vogel ? gradient_noise(x, y) : random.x);
+  u = std::cos(angle), v = std::sin(angle);
 }
 
 /// What turns or shifts the samples of each receiver of a tile: see placed(). Padded for whole vectors, as a tile is.
