@@ -19,26 +19,28 @@ struct Blocks {
 Blocks make_blocks(const Environment& environment) {
   struct Block {
     dvec3 channel[3] = {dvec3(0.0), dvec3(0.0), dvec3(0.0)};
-    double energy = 0.0;
+    double energy = 0.0, size = 0.0;
   };
-  std::vector<Block> all(std::size_t(6 * block_edge * block_edge));
+  std::vector<Block> all(std::size_t(6) * block_edge * block_edge);
   for (std::size_t texel = 0; texel < environment.radiance.size(); ++texel) {
     const vec3 radiance = environment.radiance[texel];
-    if (radiance == vec3(0.0f)) continue;
     const vec3 direction = environment.direction(int(texel), 0.5f, 0.5f);
     const double size = environment.solid_angle(int(texel));
     Block& block = all[std::size_t(cube_texel(direction, block_edge))];
     for (int c = 0; c < 3; ++c) block.channel[c] += double(radiance[c]) * size * dvec3(direction);
     block.energy += double(luminance(radiance)) * size;
+    block.size += size;
   }
   Blocks blocks;
   double sum = 0.0, squares = 0.0;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    if (!(all[k].energy > 0.0)) continue;
+  for (auto& channel : blocks.vector)
+    for (auto& component : channel) component.reserve(all.size());
+  for (const Block& block : all) {
+    if (!(block.energy > 0.0)) continue;
     for (int c = 0; c < 3; ++c)
-      for (int axis = 0; axis < 3; ++axis) blocks.vector[c][axis].push_back(float(all[k].channel[c][axis]));
-    sum += all[k].energy;
-    squares += all[k].energy * all[k].energy / cube_texel_solid_angle(int(k), block_edge);
+      for (int axis = 0; axis < 3; ++axis) blocks.vector[c][axis].push_back(float(block.channel[c][axis]));
+    sum += block.energy;
+    squares += block.energy * block.energy / block.size;
   }
   blocks.solid_angle = squares > 0.0 ? sum * sum / squares : 0.0;
   return blocks;
@@ -76,7 +78,7 @@ IrradianceTable::Cell IrradianceTable::cell_of(vec3 normal) {
 
 IrradianceTable::IrradianceTable(const Environment& environment, std::span<const vec3> normals) {
   constexpr int row_length = edge + 1;
-  std::vector<std::uint8_t> wanted(std::size_t(6 * row_length * row_length), 0);
+  std::vector<std::uint8_t> wanted(std::size_t(6) * row_length * row_length, 0);
   for (const vec3 normal : normals) {
     if (normal == vec3(0.0f)) continue;
     const auto node = std::size_t(cell_of(normal).node);

@@ -7,6 +7,16 @@
 #include "techniques/bases/random.h"
 
 namespace penumbra::ray_traced_denoised {
+namespace {
+
+/// Of a receiver that touches the lamp; a sum over rays and pixels stays finite.
+constexpr float most_weight = 1e30f;
+
+/// An environment has no rim: beside what is brightest lies more. How many times as wide as a disc of its effective
+/// solid angle it counts, as measured (docs/visibility-filter.md).
+constexpr float environment_scale = 4.0f;
+
+}  // namespace
 
 LightRays::LightRays(const Light& light, const Receivers& receivers, int rays, std::uint64_t seed)
     : lamp_(area_light_of(light) != nullptr), count_(rays), points_(pattern_points(rays, seed)) {
@@ -24,7 +34,7 @@ void LightRays::set_lamp(const AreaLight& lamp) {
 void LightRays::set_environment(const Environment& environment, const Receivers& receivers, std::uint64_t seed) {
   sampler_ = EnvironmentSampler(environment);
   irradiance_ = IrradianceTable(environment, receivers.normal);
-  size_ = 2.0f * float(std::sqrt(std::min(2.0 * pi, irradiance_.effective_solid_angle()) / pi));
+  size_ = environment_scale * 2.0f * float(std::sqrt(irradiance_.effective_solid_angle() / pi));
   table_ = NormalTable::of(receivers.normal);
   samples_.resize(table_.cones.size());
   exact_.resize(table_.cones.size());
@@ -60,7 +70,7 @@ void LightRays::make(const Receivers& receivers, int i, int place, Ray* rays) co
     const vec3 to = on_lamp_[first + std::size_t(j)] - p;
     const float d2 = glm::dot(to, to), above = glm::dot(n, to), before = -glm::dot(normal_, to);
     const float weight = above > 0.0f && before > 0.0f ? area_ / d2 * (above / d2) * before : 0.0f;
-    rays[j] = {to, 1.0f - 1e-4f, vec3(std::min(weight, 1e30f))};
+    rays[j] = {to, 1.0f - 1e-4f, vec3(weight < most_weight ? weight : most_weight)};
   }
 }
 

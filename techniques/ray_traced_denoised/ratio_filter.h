@@ -36,7 +36,7 @@ struct Sums {
 };
 
 /// Widest box, pixels.
-constexpr int widest_box = 255;
+constexpr int widest_box = 64;
 
 /// What a box weighs: neighbours up to `half` pixels away, (b - 1) / 2, and the two at its ends in part.
 PENUMBRA_HD inline float half_width(float extent, float density, float most) {

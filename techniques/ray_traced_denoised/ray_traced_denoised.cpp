@@ -9,7 +9,10 @@
 // Stages: lighting and surface (when their input changed), rays, filter, compose.
 //   scalar: one rtcOccluded1 a ray, then the sums as they are written.
 //   simd:   rays in packets of 16, pixels in vectors.
+#include <tbb/enumerable_thread_specific.h>
+
 #include <bit>
+#include <cmath>
 
 #include "scenes/ray_scene.h"
 #include "techniques/bases/area_irradiance.h"
@@ -29,12 +32,39 @@ namespace {
 
 constexpr int tile_size = tile_edge * tile_edge;
 
+constexpr int most_casters = 4;  // that are looked for in a tile
+
 /// Rays of the pixels of a tile that are seen, and which of them are blocked.
 struct TileRays {
   int count = 0;
   int pixel[tile_size];
   std::uint64_t blocked[tile_size];
-  std::vector<Ray> rays;  ///< per pixel, `stride` apart
+  std::vector<Ray> rays;  ///< those of the first pixel, then those of the second
+
+  /// Blocked rays that are followed to their casters: the first of up to most_casters pixels, evenly among those that
+  /// have any. Calls use(pixel, ray).
+  template <class Use>
+  void for_followed(const Use& use) const {
+    int which[tile_size], shadowed = 0;
+    for (int p = 0; p < count; ++p)
+      if (blocked[p] != 0) which[shadowed++] = p;
+    const int followed = std::min(shadowed, most_casters);
+    for (int k = 0; k < followed; ++k) {
+      const int p = which[k * shadowed / followed];
+      use(p, std::countr_zero(blocked[p]));
+    }
+  }
+};
+
+/// The penumbra of a tile: the harmonic mean of those of its casters, so that contact wins.
+struct Casters {
+  float inverse = 0.0f, count = 0.0f;
+
+  /// One that a ray meets after `t` lengths of its direction; infinity: it slipped through.
+  void add(const LightRays& light, float t) {
+    if (t < std::numeric_limits<float>::infinity()) inverse += 1.0f / light.penumbra(t), count += 1.0f;
+  }
+  float penumbra() const { return count > 0.0f ? count / inverse : std::numeric_limits<float>::infinity(); }
 };
 
 class Denoised : public Technique {
@@ -43,7 +73,7 @@ class Denoised : public Technique {
       : count_(p.integer("rays")),
         most_(float(p.integer("most"))),
         seed_(std::uint64_t(p.integer("seed"))),
-        share_(float(p.number("share"))) {}
+        share_(float(p.number("share") / std::sqrt(double(count_)))) {}
 
   void prepare(const Scene& scene) override {
     rays_.build(scene.mesh);
@@ -81,18 +111,19 @@ class Denoised : public Technique {
     TileRays tile;
     for (int k = 0; k < tiles_.size(); ++k) {
       begin_tile(k, tile);
-      float reached[tile_size];
       for (int p = 0; p < tile.count; ++p) {
         const vec3 origin = receivers_->ray_origin(tile.pixel[p]);
         const Ray* rays = &tile.rays[std::size_t(p * count_)];
         for (int j = 0; j < count_; ++j)
           if (rays[j].weight != vec3(0.0f) && rays_.occluded(origin, rays[j].direction, rays[j].end))
             tile.blocked[p] |= std::uint64_t(1) << j;
-        reached[p] = std::numeric_limits<float>::infinity();
-        if (tile.blocked[p] != 0)
-          reached[p] = rays_.intersect(origin, rays[std::countr_zero(tile.blocked[p])].direction).distance;
       }
-      finish_tile(k, tile, reached);
+      Casters casters;
+      tile.for_followed([&](int p, int j) {
+        const vec3 origin = receivers_->ray_origin(tile.pixel[p]);
+        casters.add(light_, rays_.intersect(origin, tile.rays[std::size_t(p * count_ + j)].direction).distance);
+      });
+      finish_tile(k, tile, casters);
     }
   }
 
@@ -123,9 +154,8 @@ class Denoised : public Technique {
       }
   }
 
-  /// Sums up. `reached`: how far the first blocked ray of every pixel got, in lengths of its direction.
-  void finish_tile(int k, const TileRays& tile, const float* reached) {
-    float inverse = 0.0f, blocked = 0.0f;
+  /// Sums up.
+  void finish_tile(int k, const TileRays& tile, const Casters& casters) {
     bool lit = false, dark = false;
     for (int p = 0; p < tile.count; ++p) {
       const Ray* rays = &tile.rays[std::size_t(p * count_)];
@@ -137,12 +167,9 @@ class Denoised : public Technique {
       for (int c = 0; c < light_.channels(); ++c)
         sums_[c].seen[std::size_t(tile.pixel[p])] = seen[c], sums_[c].all[std::size_t(tile.pixel[p])] = all[c];
       dark |= tile.blocked[p] != 0, lit |= seen != vec3(0.0f);
-      if (reached[p] < std::numeric_limits<float>::infinity()) {
-        inverse += 1.0f / light_.penumbra(reached[p]), blocked += 1.0f;
-      }
     }
     tiles_.lit[std::size_t(k)] = lit, tiles_.dark[std::size_t(k)] = dark;
-    if (blocked > 0.0f) tiles_.penumbra[std::size_t(k)] = blocked / inverse;
+    tiles_.penumbra[std::size_t(k)] = casters.penumbra();
   }
 
   void compose(View<vec3> radiance) const {
@@ -210,7 +237,7 @@ class Denoised : public Technique {
   }
 
   std::uint64_t seed_;
-  float share_;
+  float share_;  ///< of the penumbra's width, for these rays
   vec3 emitted_{0.0f};
   StageClock clock_;
 };
@@ -228,14 +255,13 @@ class DenoisedSimd final : public Denoised {
   }
 
   void trace() override {
-    for_ranges(tiles_.size(), 64, [&](int begin, int end) {
-      TileRays tile;
+    tbb::enumerable_thread_specific<TileRays> scratch;
+    for_ranges(tiles_.size(), 8, [&](int begin, int end) {
+      TileRays& tile = scratch.local();
       for (int k = begin; k < end; ++k) {
         begin_tile(k, tile);
         trace_tile(tile);
-        float reached[tile_size];
-        find_casters(tile, reached);
-        finish_tile(k, tile, reached);
+        finish_tile(k, tile, find_casters(tile));
       }
     });
   }
@@ -268,20 +294,19 @@ class DenoisedSimd final : public Denoised {
     queue.flush();
   }
 
-  void find_casters(const TileRays& tile, float* reached) const {
+  Casters find_casters(const TileRays& tile) const {
     RayPacket packet = {};
-    int which[tile_size], count = 0;
-    for (int p = 0; p < tile.count; ++p) {
-      reached[p] = std::numeric_limits<float>::infinity();
-      if (tile.blocked[p] == 0) continue;
-      const Ray& ray = tile.rays[std::size_t(p * count_ + std::countr_zero(tile.blocked[p]))];
-      packet.set(count, receivers_->ray_origin(tile.pixel[p]), ray.direction, ray.end);
-      which[count++] = p;
-    }
-    if (count == 0) return;
-    float distance[tile_size];
+    int count = 0;
+    tile.for_followed([&](int p, int j) {
+      const Ray& ray = tile.rays[std::size_t(p * count_ + j)];
+      packet.set(count++, receivers_->ray_origin(tile.pixel[p]), ray.direction, ray.end);
+    });
+    Casters casters;
+    if (count == 0) return casters;
+    float distance[RayPacket::size];
     rays_.first_hits(packet, count, distance);
-    for (int k = 0; k < count; ++k) reached[which[k]] = distance[k];
+    for (int k = 0; k < count; ++k) casters.add(light_, distance[k]);
+    return casters;
   }
 };
 
@@ -299,13 +324,14 @@ void register_ray_traced_denoised(Registry& registry) {
   entry.parameters = {
       integer_parameter("rays", 4, 1, most_rays, "rays", "shadow rays per receiver"),
       integer_parameter("seed", 1, 0, 1 << 30, "", "scrambles the points of the light: same seed, same image"),
-      number_parameter("share", 0.5, 0.0, 4.0, "", "width of the filter as part of the penumbra's"),
+      number_parameter("share", 1.2, 0.0, 8.0, "",
+                       "width of the filter as part of the penumbra's, with one ray; more need less, by 1 / sqrt(rays)"),
       integer_parameter("most", 8, 1, widest_box, "pixels", "widest filter"),
   };
   entry.knobs = {{"rays", {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}, true}};
   entry.errs_by = "noise";
   entry.parity = 1e-3;  // packets and single rays may round an edge differently
-  entry.reach = 0;
+  entry.reach = widest_box / 2 + 3 * tile_edge;  // the box, and the tiles whose casters make it
   add_pair<Denoised, DenoisedSimd>(registry, std::move(entry));
 }
 
