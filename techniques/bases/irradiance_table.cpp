@@ -91,8 +91,8 @@ IrradianceTable::IrradianceTable(const Environment& environment, std::span<const
     for (int k = begin; k < end; ++k) {
       if (wanted[std::size_t(k)] == 0) continue;
       const int face = k / (row_length * row_length), row = k / row_length % row_length, column = k % row_length;
-      const vec3 normal = glm::normalize(
-          cube_direction(face, float(2 * column) / edge - 1.0f, float(2 * row) / edge - 1.0f));
+      const vec3 normal =
+          glm::normalize(cube_direction(face, float(2 * column) / edge - 1.0f, float(2 * row) / edge - 1.0f));
       for (int c = 0; c < 3; ++c) nodes_[std::size_t(k)][c] = float(sum_above(blocks.vector[c], normal) / pi);
     }
   });

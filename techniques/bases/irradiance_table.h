@@ -1,9 +1,9 @@
 // What an environment sends to surfaces of whatever normal, without any occluder: E(N) / pi = 1/pi integral of
 // L max(0, N.w) dw, tabulated over normals and interpolated between them.
 //
-// The sphere is cut into blocks, each kept as its vector M = integral of L w dw: a block above the horizon gives exactly
-// N.M, one below nothing, and of those that the horizon cuts only the cut ones are rounded, to max(0, N.M): by some
-// rho^2 / 4 of their light for blocks of angular radius rho. Nodes lie on the faces of a cube; E is as smooth as a
+// The sphere is cut into blocks, each kept as its vector M = integral of L w dw: a block above the horizon gives
+// exactly N.M, one below nothing, and of those that the horizon cuts only the cut ones are rounded, to max(0, N.M): by
+// some rho^2 / 4 of their light for blocks of angular radius rho. Nodes lie on the faces of a cube; E is as smooth as a
 // clamped cosine, so linear interpolation over 3 degrees costs some 10^-4.
 #pragma once
 
@@ -33,7 +33,7 @@ class IrradianceTable {
  private:
   static constexpr int edge = 32;  ///< cells along an edge of a face
   struct Cell {
-    int node;   ///< its first; the others lie beside and below
+    int node;    ///< its first; the others lie beside and below
     float s, t;  ///< place in the cell, [0, 1]
   };
   static Cell cell_of(vec3 normal);

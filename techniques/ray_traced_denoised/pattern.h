@@ -14,7 +14,7 @@
 
 namespace penumbra::ray_traced_denoised {
 
-constexpr int pattern_edge = 8;                             ///< pixels
+constexpr int pattern_edge = 8;                            ///< pixels
 constexpr int pattern_size = pattern_edge * pattern_edge;  ///< pixels
 
 /// Number of a pixel in its block: bits of x and y in turn.

@@ -18,7 +18,10 @@ namespace penumbra::ray_traced_denoised {
 /// A number per pixel in row order, with room for whole vectors and windows on either side.
 class Plane {
  public:
-  void resize(std::size_t n) { values_.assign(n + 2 * margin, 0.0f); }
+  /// Zeros, or what was there if the size stays.
+  void resize(std::size_t n) {
+    if (values_.size() != n + 2 * margin) values_.assign(n + 2 * margin, 0.0f);
+  }
   float* data() { return values_.data() + margin; }
   const float* data() const { return values_.data() + margin; }
   float& operator[](std::size_t i) { return values_[i + margin]; }
@@ -53,7 +56,8 @@ PENUMBRA_HD inline float visible_share(float seen, float all) {
   return all > 0.0f ? seen / all : 1.0f;
 }
 
-/// Means of the sums over the row, of pixels [begin, end) of row y, in `out`. `extent`: full width of every pixel's box, m.
+/// Means of the sums over the row, of pixels [begin, end) of row y, in `out`. `extent`: full width of every pixel's
+/// box, m.
 void filter_row(const SurfaceMap& map, const Plane& extent, float most, const Sums& in, int y, Sums& out);
 /// Means over the column, and their ratio.
 void filter_columns(const SurfaceMap& map, const Plane& extent, float most, const Sums& in, int y, Plane& share);

@@ -118,12 +118,7 @@ class Denoised : public Technique {
           if (rays[j].weight != vec3(0.0f) && rays_.occluded(origin, rays[j].direction, rays[j].end))
             tile.blocked[p] |= std::uint64_t(1) << j;
       }
-      Casters casters;
-      tile.for_followed([&](int p, int j) {
-        const vec3 origin = receivers_->ray_origin(tile.pixel[p]);
-        casters.add(light_, rays_.intersect(origin, tile.rays[std::size_t(p * count_ + j)].direction).distance);
-      });
-      finish_tile(k, tile, casters);
+      finish_tile(k, tile);
     }
   }
 
@@ -154,8 +149,18 @@ class Denoised : public Technique {
       }
   }
 
+  /// Follows a few rays to their casters, one by one: they point all over the light.
+  Casters find_casters(const TileRays& tile) const {
+    Casters casters;
+    tile.for_followed([&](int p, int j) {
+      const vec3 origin = receivers_->ray_origin(tile.pixel[p]);
+      casters.add(light_, rays_.intersect(origin, tile.rays[std::size_t(p * count_ + j)].direction).distance);
+    });
+    return casters;
+  }
+
   /// Sums up.
-  void finish_tile(int k, const TileRays& tile, const Casters& casters) {
+  void finish_tile(int k, const TileRays& tile) {
     bool lit = false, dark = false;
     for (int p = 0; p < tile.count; ++p) {
       const Ray* rays = &tile.rays[std::size_t(p * count_)];
@@ -169,7 +174,7 @@ class Denoised : public Technique {
       dark |= tile.blocked[p] != 0, lit |= seen != vec3(0.0f);
     }
     tiles_.lit[std::size_t(k)] = lit, tiles_.dark[std::size_t(k)] = dark;
-    tiles_.penumbra[std::size_t(k)] = casters.penumbra();
+    tiles_.penumbra[std::size_t(k)] = find_casters(tile).penumbra();
   }
 
   void compose(View<vec3> radiance) const {
@@ -261,7 +266,7 @@ class DenoisedSimd final : public Denoised {
       for (int k = begin; k < end; ++k) {
         begin_tile(k, tile);
         trace_tile(tile);
-        finish_tile(k, tile, find_casters(tile));
+        finish_tile(k, tile);
       }
     });
   }
@@ -293,21 +298,6 @@ class DenoisedSimd final : public Denoised {
       }
     queue.flush();
   }
-
-  Casters find_casters(const TileRays& tile) const {
-    RayPacket packet = {};
-    int count = 0;
-    tile.for_followed([&](int p, int j) {
-      const Ray& ray = tile.rays[std::size_t(p * count_ + j)];
-      packet.set(count++, receivers_->ray_origin(tile.pixel[p]), ray.direction, ray.end);
-    });
-    Casters casters;
-    if (count == 0) return casters;
-    float distance[RayPacket::size];
-    rays_.first_hits(packet, count, distance);
-    for (int k = 0; k < count; ++k) casters.add(light_, distance[k]);
-    return casters;
-  }
 };
 
 }  // namespace
@@ -324,13 +314,14 @@ void register_ray_traced_denoised(Registry& registry) {
   entry.parameters = {
       integer_parameter("rays", 4, 1, most_rays, "rays", "shadow rays per receiver"),
       integer_parameter("seed", 1, 0, 1 << 30, "", "scrambles the points of the light: same seed, same image"),
-      number_parameter("share", 1.2, 0.0, 8.0, "",
-                       "width of the filter as part of the penumbra's, with one ray; more need less, by 1 / sqrt(rays)"),
+      number_parameter(
+          "share", 1.2, 0.0, 8.0, "",
+          "width of the filter as part of the penumbra's, with one ray; more need less, by 1 / sqrt(rays)"),
       integer_parameter("most", 8, 1, widest_box, "pixels", "widest filter"),
   };
   entry.knobs = {{"rays", {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}, true}};
   entry.errs_by = "noise";
-  entry.parity = 1e-3;  // packets and single rays may round an edge differently
+  entry.parity = 1e-3;                           // packets and single rays may round an edge differently
   entry.reach = widest_box / 2 + 3 * tile_edge;  // the box, and the tiles whose casters make it
   add_pair<Denoised, DenoisedSimd>(registry, std::move(entry));
 }

@@ -10,9 +10,7 @@ namespace {
 struct Around {
   float least = std::numeric_limits<float>::infinity();
   bool lit = false, dark = false;
-  void add(const Around& other) {
-    least = std::min(least, other.least), lit |= other.lit, dark |= other.dark;
-  }
+  void add(const Around& other) { least = std::min(least, other.least), lit |= other.lit, dark |= other.dark; }
 };
 
 }  // namespace
