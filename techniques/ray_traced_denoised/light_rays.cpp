@@ -1,6 +1,5 @@
 #include "techniques/ray_traced_denoised/light_rays.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "techniques/bases/for_ranges.h"

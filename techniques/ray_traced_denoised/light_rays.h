@@ -3,7 +3,12 @@
 // Lamp: points of the lamp, chosen evenly by area; weight cos cos A / distance^2 of a lamp of radiance 1, one channel.
 // Environment: directions chosen by radiance x cosine for a cone of normals (bases/light_sampling.h), one in each of
 // equally likely parts; weight L cos / pdf, three channels. Constant factors cancel in the ratio.
+//
+// The shadow of an environment is as soft as its light is wide: its effective solid angle (bases/irradiance_table.h),
+// taken for a disc, times a measured factor.
 #pragma once
+
+#include <algorithm>
 
 #include "scenes/receivers.h"
 #include "techniques/bases/irradiance_table.h"
@@ -28,7 +33,6 @@ class LightRays {
   LightRays(const Light& light, const Receivers& receivers, int rays, std::uint64_t seed);
 
   int channels() const { return lamp_ ? 1 : 3; }
-  bool of_lamp() const { return lamp_; }
 
   /// The rays of receiver i, which lies at `place` in the pattern.
   void make(const Receivers& receivers, int i, int place, Ray* rays) const;

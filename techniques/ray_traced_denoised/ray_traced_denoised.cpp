@@ -3,8 +3,9 @@
 //   B = albedo x unshadowed radiance x S / U
 // The unshadowed part is a closed form for lamps (bases/area_irradiance.h) and a table for environments
 // (bases/irradiance_table.h). Neighbouring pixels ask different points of the light (pattern.h); the filter is part of
-// the penumbra wide, which a ray from each shadowed pixel to its caster tells (tiles.h), and stays on its surface
-// (surface.h). Vertices of a mesh are no image: each has the ratio of its own sums.
+// the penumbra wide, which a few blocked rays, followed to their casters, tell (tiles.h), and stays on its surface
+// (surface.h). Vertices of a mesh are no image: each has the ratio of its own sums. Where U is 0, no point that was
+// asked lies above the horizon, and what little is unshadowed counts as visible.
 //
 // Stages: lighting and surface (when their input changed), rays, filter, compose.
 //   scalar: one rtcOccluded1 a ray, then the sums as they are written.
@@ -39,7 +40,11 @@ struct TileRays {
   int count = 0;
   int pixel[tile_size];
   std::uint64_t blocked[tile_size];
+  std::size_t per_pixel = 0;
   std::vector<Ray> rays;  ///< those of the first pixel, then those of the second
+
+  Ray* of(int p) { return &rays[std::size_t(p) * per_pixel]; }
+  const Ray* of(int p) const { return &rays[std::size_t(p) * per_pixel]; }
 
   /// Blocked rays that are followed to their casters: the first of up to most_casters pixels, evenly among those that
   /// have any. Calls use(pixel, ray).
@@ -113,7 +118,7 @@ class Denoised : public Technique {
       begin_tile(k, tile);
       for (int p = 0; p < tile.count; ++p) {
         const vec3 origin = receivers_->ray_origin(tile.pixel[p]);
-        const Ray* rays = &tile.rays[std::size_t(p * count_)];
+        const Ray* rays = tile.of(p);
         for (int j = 0; j < count_; ++j)
           if (rays[j].weight != vec3(0.0f) && rays_.occluded(origin, rays[j].direction, rays[j].end))
             tile.blocked[p] |= std::uint64_t(1) << j;
@@ -137,13 +142,14 @@ class Denoised : public Technique {
   /// Makes the rays of a tile's pixels; none is blocked yet. Pixels that show nothing have none.
   void begin_tile(int k, TileRays& tile) const {
     tile.count = 0;
-    tile.rays.resize(std::size_t(tile_size * count_));
+    tile.per_pixel = std::size_t(count_);
+    tile.rays.resize(tile_size * tile.per_pixel);
     const int x0 = k % tiles_.columns * tile_edge, y0 = k / tiles_.columns * tile_edge;
     for (int y = y0; y < std::min(y0 + tile_edge, receivers_->height); ++y)
       for (int x = x0; x < std::min(x0 + tile_edge, receivers_->width); ++x) {
         const int i = y * receivers_->width + x;
         if (!receivers_->valid(i)) continue;
-        light_.make(*receivers_, i, place_in_pattern(x, y), &tile.rays[std::size_t(tile.count * count_)]);
+        light_.make(*receivers_, i, place_in_pattern(x, y), tile.of(tile.count));
         tile.blocked[tile.count] = 0;
         tile.pixel[tile.count++] = i;
       }
@@ -154,16 +160,16 @@ class Denoised : public Technique {
     Casters casters;
     tile.for_followed([&](int p, int j) {
       const vec3 origin = receivers_->ray_origin(tile.pixel[p]);
-      casters.add(light_, rays_.intersect(origin, tile.rays[std::size_t(p * count_ + j)].direction).distance);
+      casters.add(light_, rays_.intersect(origin, tile.of(p)[j].direction).distance);
     });
     return casters;
   }
 
-  /// Sums up.
+  /// Sums up, and notes what the filter must know.
   void finish_tile(int k, const TileRays& tile) {
     bool lit = false, dark = false;
     for (int p = 0; p < tile.count; ++p) {
-      const Ray* rays = &tile.rays[std::size_t(p * count_)];
+      const Ray* rays = tile.of(p);
       vec3 seen(0.0f), all(0.0f);
       for (int j = 0; j < count_; ++j) {
         all += rays[j].weight;
@@ -293,7 +299,7 @@ class DenoisedSimd final : public Denoised {
     for (int p = 0; p < tile.count; ++p) origin[p] = receivers_->ray_origin(tile.pixel[p]);
     for (int j = 0; j < count_; ++j)
       for (int p = 0; p < tile.count; ++p) {
-        const Ray& ray = tile.rays[std::size_t(p * count_ + j)];
+        const Ray& ray = tile.of(p)[j];
         if (ray.weight != vec3(0.0f)) queue.push({p, j}, origin[p], ray.direction, ray.end);
       }
     queue.flush();

@@ -4,9 +4,7 @@
 #include <set>
 
 #include "scenes/scene_file.h"
-#include "techniques/bases/irradiance_table.h"
 #include "techniques/bases/light_sampling.h"
-#include "techniques/bases/random.h"
 #include "techniques/ray_traced_denoised/light_rays.h"
 #include "techniques/ray_traced_denoised/pattern.h"
 #include "techniques/ray_traced_denoised/ratio_filter.h"
@@ -164,7 +162,7 @@ TEST(RayTracedDenoised, BoxesOfFourWeighEveryPlaceAlike) {
 TEST(RayTracedDenoised, APointBecomesItsBox) {
   const int width = 21, height = 15;
   const SurfaceMap map = flat_map(width, height);
-  const auto n = std::size_t(width * height);
+  const std::size_t n = std::size_t(width) * std::size_t(height);
   Sums sums = make_sums(n, 0.0f, 1.0f);
   sums.seen[std::size_t(7 * width + 10)] = 1.0f;
   const Plane share = filtered(map, sums, even_plane(n, 2.0f), 64.0f, filter_row, filter_columns);
@@ -178,7 +176,7 @@ TEST(RayTracedDenoised, APointBecomesItsBox) {
 
 TEST(RayTracedDenoised, EqualValuesStay) {
   const SurfaceMap map = flat_map(33, 19);
-  const auto n = std::size_t(33 * 19);
+  const std::size_t n = 33 * 19;
   for (const float extent : {0.0f, 1.7f, 4.0f, 1e30f}) {
     const Plane share =
         filtered(map, make_sums(n, 0.3f, 0.7f), even_plane(n, extent), 40.0f, filter_row, filter_columns);
@@ -194,7 +192,7 @@ TEST(RayTracedDenoised, EqualValuesStay) {
 TEST(RayTracedDenoised, BothSumsAreFilteredAlike) {
   // U varies, as it does towards a lamp that is near; where nothing is blocked the share is 1 to the bit.
   const SurfaceMap map = flat_map(24, 24);
-  const auto n = std::size_t(24 * 24);
+  const std::size_t n = 24 * 24;
   Sums sums = make_sums(n, 0.0f, 0.0f);
   std::mt19937 random(5);
   for (std::size_t i = 0; i < n; ++i) sums.seen[i] = sums.all[i] = float(random() % 1000);
@@ -247,36 +245,6 @@ TEST(RayTracedDenoised, PenumbraeAreSimilarTriangles) {
   EXPECT_TRUE(std::isfinite(lamp.penumbra(1.0f)));
   const LightRays disc(make_disc({0, 4, 0}, {0, -1, 0}, 0.5f, vec3(1.0f)), r, 1, 1);
   EXPECT_FLOAT_EQ(disc.penumbra(0.5f), 1.0f) << "a diameter";
-}
-
-// --- what arrives without any occluder -------------------------------------------------------------------------------
-
-TEST(RayTracedDenoised, TabulatedIrradianceIsExact) {
-  std::vector<vec3> normals;
-  normals.reserve(40);
-  for (int i = 0; i < 40; ++i) {
-    const RandomTriple r = random_triple(5, std::uint32_t(i));
-    normals.push_back(glm::normalize(2.0f * vec3(r.x, r.y, r.z) - 1.0f));
-  }
-  for (const char* name : {"constant", "softbox", "lamps", "sun-sky"}) {
-    Environment environment;
-    ASSERT_TRUE(make_environment(name, environment));
-    const IrradianceTable table(environment, normals);
-    const EnvironmentSampler exact(environment);
-    std::vector<vec3> found, expected;
-    found.reserve(40), expected.reserve(40);
-    for (const vec3 n : normals) found.push_back(table.at(n)), expected.push_back(exact.unshadowed(n));
-    EXPECT_LT(test::difference(found, expected), 1e-3) << name;
-  }
-}
-
-TEST(RayTracedDenoised, EvenLightFillsTheSphere) {
-  const std::vector<vec3> up = {{0, 1, 0}};
-  EXPECT_NEAR(IrradianceTable(test::constant_environment(), up).effective_solid_angle(), 4.0 * pi, 0.01 * pi);
-  EXPECT_EQ(IrradianceTable(test::constant_environment(vec3(0.0f)), up).effective_solid_angle(), 0.0);
-  Environment sun = test::constant_environment(vec3(0.0f));
-  sun.radiance[std::size_t(sun.width) * std::size_t(sun.height / 4)] = vec3(100.0f);
-  EXPECT_LT(IrradianceTable(sun, up).effective_solid_angle(), 0.005) << "a block or two";
 }
 
 // --- the whole -------------------------------------------------------------------------------------------------------
