@@ -258,7 +258,7 @@ TEST(RayTracedDenoised, WithoutOccluderLampsAreTheClosedForm) {
 }
 
 TEST(RayTracedDenoised, WithoutOccluderEnvironmentsAreTheirIrradiance) {
-  Scene scene = test::lamp_scene({}, plane_grid(9, 9, 0.2f));
+  Scene scene = test::lamp_scene({}, plane_grid(4, 4, 0.2f));
   Environment environment;
   ASSERT_TRUE(make_environment("sun-sky", environment));
   scene.light = environment;
@@ -266,9 +266,9 @@ TEST(RayTracedDenoised, WithoutOccluderEnvironmentsAreTheirIrradiance) {
   for (const bool picture : {false, true}) {
     if (picture)
       for (int i = 0; i < scene.receivers.size(); ++i)
-        scene.receivers.normal[i] = glm::normalize(vec3(0.1f * float(i % 9) - 0.4f, 1.0f, 0.1f * float(i / 9) - 0.4f));
+        scene.receivers.normal[i] = glm::normalize(vec3(0.2f * float(i % 4) - 0.3f, 1.0f, 0.2f * float(i / 4) - 0.3f));
     std::vector<vec3> expected;
-    expected.reserve(81);
+    expected.reserve(16);
     for (const vec3 n : scene.receivers.normal) expected.push_back(exact.unshadowed(n));
     for (const char* backend : backends)
       EXPECT_LT(test::difference(test::shade(technique, backend, {"rays=2"}, scene), expected), picture ? 1e-3 : 1e-5);
