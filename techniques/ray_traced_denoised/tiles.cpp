@@ -35,7 +35,8 @@ std::vector<float> spread(const TileMap& tiles, int reach) {
           all.add(along_row[at(x, near)]);
         const float own = tiles.penumbra[at(x, y)];
         const bool has_own = own < std::numeric_limits<float>::infinity();
-        if (all.lit && all.dark) width[at(x, y)] = has_own ? own : all.least;
+        const float found = has_own ? own : all.least;
+        if (all.lit && all.dark && found < std::numeric_limits<float>::infinity()) width[at(x, y)] = found;
       }
   });
   return width;

@@ -26,7 +26,8 @@ struct TileMap {
 };
 
 /// Penumbra width at every tile, m: its own or, where it has no caster, the least of those up to `reach` tiles away.
-/// 0 where tiles up to `reach` away are all lit or all dark, and there is nothing to filter.
+/// 0 where tiles up to `reach` away are all lit or all dark, and there is nothing to filter, and where none of them
+/// found its caster.
 std::vector<float> spread(const TileMap& tiles, int reach);
 
 }  // namespace penumbra::ray_traced_denoised

@@ -233,6 +233,9 @@ TEST(RayTracedDenoised, TilesSpreadTheirCasters) {
   tiles.penumbra[6] = 2.0f, tiles.penumbra[8] = 1.0f;
   EXPECT_EQ(spread(tiles, 1), (std::vector<float>{2, 2, 1, 1, 1, 2, 2, 1, 1, 1, 2, 2, 1, 1, 1}));
   EXPECT_EQ(spread(tiles, 0), (std::vector<float>{0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 0, 0, 0, 0, 0}));
+  TileMap lost = tiles;  // rays are blocked, but what they hit is not found
+  lost.penumbra[6] = lost.penumbra[8] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(spread(lost, 4), std::vector<float>(15, 0.0f));
   std::fill(tiles.lit.begin(), tiles.lit.end(), std::uint8_t(0));
   EXPECT_EQ(spread(tiles, 4), std::vector<float>(15, 0.0f)) << "all dark: nothing to filter";
 }
