@@ -61,15 +61,15 @@ struct TileRays {
   }
 };
 
-/// The penumbra of a tile: the harmonic mean of those of its casters, so that contact wins.
+/// The penumbra of a tile: the mean of those of its casters.
 struct Casters {
-  float inverse = 0.0f, count = 0.0f;
+  float sum = 0.0f, count = 0.0f;
 
   /// One that a ray meets after `t` lengths of its direction; infinity: it slipped through.
   void add(const LightRays& light, float t) {
-    if (t < std::numeric_limits<float>::infinity()) inverse += 1.0f / light.penumbra(t), count += 1.0f;
+    if (t < std::numeric_limits<float>::infinity()) sum += light.penumbra(t), count += 1.0f;
   }
-  float penumbra() const { return count > 0.0f ? count / inverse : std::numeric_limits<float>::infinity(); }
+  float penumbra() const { return count > 0.0f ? sum / count : std::numeric_limits<float>::infinity(); }
 };
 
 class Denoised : public Technique {
