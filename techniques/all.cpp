@@ -4,6 +4,7 @@
 #define PENUMBRA_TECHNIQUES(USE) \
   USE(constant)                  \
   USE(ray_traced)                \
+  USE(ray_traced_denoised)       \
   USE(pixel_basis)               \
   USE(wavelet)                   \
   USE(wavelet_product)           \
