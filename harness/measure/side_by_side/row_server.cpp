@@ -18,7 +18,9 @@ using nlohmann::json;
 /// A technique that is ready to be timed.
 struct Prepared {
   Prepared(const Variant& variant, const Scene& scene)
-      : technique(make_technique(*variant.entry, variant.parameters, scene.light)), animation(scene), threads(variant.threads) {}
+      : technique(make_technique(*variant.entry, variant.parameters, scene.light)),
+        animation(scene),
+        threads(variant.threads) {}
   std::unique_ptr<Technique> technique;
   Animation animation;
   int threads;
