@@ -48,6 +48,7 @@ __global__ void __launch_bounds__(threads) make_words(PixelSpans pixels, float e
     const std::uint64_t down_left = word_of(link[0].down_left, link[1].down_left);
     if (lane == 0) rows.right[k] = right, rows.down[k] = down;
     if (lane == 0) rows.down_right[k] = down_right, rows.down_left[k] = down_left;
+    if (lane == 0) rows.joined[k] = right & down & down_right & down_left;
     tally(8);
   }
 }
@@ -107,9 +108,9 @@ __global__ void __launch_bounds__(threads) filter_boxes(Rows rows, int r, Span<f
 
 void DeviceSurfaces::resize(const Stream& stream, int width, int height) {
   rows_.width = width, rows_.height = height, rows_.stride = Rows::stride_for(width);
-  Span<std::uint64_t>* const planes[] = {&rows_.open,      &rows_.seen,       &rows_.right,
-                                         &rows_.down,      &rows_.down_right, &rows_.down_left,
-                                         &rows_.near_dark, &rows_.near_lit,   &rows_.mixed};
+  Span<std::uint64_t>* const planes[] = {&rows_.open,       &rows_.seen,        &rows_.right,  &rows_.down,
+                                         &rows_.down_right, &rows_.down_left,   &rows_.joined, &rows_.near_dark,
+                                         &rows_.near_lit,   &rows_.near_joined, &rows_.mixed,  &rows_.whole};
   const std::size_t count = rows_.words();
   words_.resize(std::size(planes) * count);
   visibility_.resize(std::size_t(width) * std::size_t(height)), radius_.resize(visibility_.size());

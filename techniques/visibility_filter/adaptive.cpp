@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "techniques/bases/for_ranges.h"
+#include "techniques/visibility_filter/kernel.h"
 
 namespace penumbra {
 namespace visibility_filter {
@@ -100,21 +101,18 @@ class AdaptiveSimd final : public Packets<Adaptive> {
   void filter() override {
     bits_.set(pixels_, filtering_.epsilon, filtering_.search_radius());
     std::vector<Widths> rows(std::size_t(pixels_.height));
+    const float* const to_eye = receivers_->view_depth.empty() ? nullptr : receivers_->view_depth.data();
     for_ranges(pixels_.height, 4, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) filter_row(y, rows[y]);
+      std::vector<std::uint8_t> radius(std::size_t(pixels_.width));
+      for (int y = begin; y < end; ++y) {
+        const std::size_t first = pixels_.index(0, y);
+        filter_row(bits_, pixels_, to_eye ? to_eye + first : nullptr, filtering_, y, radius.data(),
+                   &visibility_[first]);
+        for (const std::uint8_t r : radius) rows[std::size_t(y)].note(r);
+      }
     });
     widths_ = {};
     for (const Widths& row : rows) widths_.add(row);
-  }
-
- private:
-  void filter_row(int y, Widths& widths) {
-    const float *depth = pixels_.depth.data(), *caster = pixels_.caster.data();
-    for (int x = 0, i = y * pixels_.width; x < pixels_.width; ++x, ++i) {
-      const int radius = radius_by_bits(bits_, depth, caster, x, y, to_eye(std::size_t(i)), filtering_);
-      visibility_[i] = visibility_by_bits(bits_, x, y, radius);
-      widths.note(radius);
-    }
   }
 };
 

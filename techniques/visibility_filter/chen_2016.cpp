@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "techniques/bases/for_ranges.h"
+#include "techniques/visibility_filter/kernel.h"
 
 namespace penumbra {
 namespace visibility_filter {
@@ -37,9 +38,7 @@ class FixedSimd final : public Packets<Fixed> {
   void filter() override {
     bits_.set(pixels_, std::nullopt, radius_);
     for_ranges(pixels_.height, 4, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y)
-        for (int x = 0, i = y * pixels_.width; x < pixels_.width; ++x, ++i)
-          visibility_[i] = box_by_bits(bits_, x, y, radius_);
+      for (int y = begin; y < end; ++y) box_row(bits_, radius_, y, &visibility_[pixels_.index(0, y)]);
     });
   }
 };

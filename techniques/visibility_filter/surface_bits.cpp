@@ -9,7 +9,8 @@ namespace penumbra::visibility_filter {
 void SurfaceBits::place(int wide, int high) {
   if (wide == width && high == height) return;  // all that is ever set is set anew
   width = wide, height = high, stride = stride_for(wide);
-  std::uint64_t** planes[] = {&open, &seen, &right, &down, &down_right, &down_left, &near_dark, &near_lit, &mixed};
+  std::uint64_t** planes[] = {&open,   &seen,      &right,    &down,        &down_right, &down_left,
+                              &joined, &near_dark, &near_lit, &near_joined, &mixed,      &whole};
   memory_.assign(std::size(planes) * words(), 0);
   std::uint64_t* next = memory_.data();
   for (std::uint64_t** plane : planes) *plane = next, next += words();
@@ -33,6 +34,7 @@ void SurfaceBits::set_row(const PixelMap& map, std::optional<float> epsilon, int
     }
     right[word(w, y)] = links[0], down[word(w, y)] = links[1];
     down_right[word(w, y)] = links[2], down_left[word(w, y)] = links[3];
+    joined[word(w, y)] = links[0] & links[1] & links[2] & links[3];
   }
 }
 

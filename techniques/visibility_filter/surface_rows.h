@@ -66,8 +66,10 @@ struct SurfaceRows {
   int stride = 0;  ///< words of a row: the margin's, the image's, and an empty one
   Words open{}, seen{};
   Words right{}, down{}, down_right{}, down_left{};  ///< links
-  Words near_dark{}, near_lit{};                     ///< within the widest window's columns
-  Words mixed{};                                     ///< within the widest window
+  Words joined{};                                    ///< all four of them
+  Words near_dark{}, near_lit{}, near_joined{};      ///< within the widest window's columns
+  Words mixed{};                                     ///< within the widest window there are both light and shadow
+  Words whole{};                                     ///< and nothing of it lies on another surface, or outside
 
   static int stride_for(int wide) { return (wide + margin + 63) / 64 + 1; }
   std::size_t words() const { return std::size_t(stride) * std::size_t(height); }
@@ -77,59 +79,80 @@ struct SurfaceRows {
   PENUMBRA_HD bool bit(const Words& plane, int x, int y) const {
     return (plane[word((x + margin) / 64, y)] >> ((x + margin) % 64) & 1) != 0;
   }
-  /// 64 pixels of row y from column x on, which lies from -margin to the image's last.
-  PENUMBRA_HD std::uint64_t at(const Words& plane, int x, int y) const {
-    const int first = x + margin, shift = first % 64;
-    const std::size_t w = word(first / 64, y);
-    return plane[w] >> shift | plane[w + 1] << 1 << (63 - shift);
+  /// Where the 64 columns from x on lie in every row; x lies from -margin to the image's last.
+  struct Columns {
+    unsigned word, shift;
+  };
+  PENUMBRA_HD static Columns columns(int x) { return {unsigned(x + margin) / 64, unsigned(x + margin) % 64}; }
+  /// 64 pixels of row y.
+  PENUMBRA_HD std::uint64_t at(const Words& plane, Columns from, int y) const {
+    const std::size_t w = word(int(from.word), y);
+    return plane[w] >> from.shift | plane[w + 1] << 1 << (63 - from.shift);
   }
+  PENUMBRA_HD std::uint64_t at(const Words& plane, int x, int y) const { return at(plane, columns(x), y); }
 
   // Words 1 to stride - 2 of a row hold the image.
 
-  /// Sets near_dark and near_lit for windows of up to 2 r + 1.
+  /// Sets near_dark, near_lit and near_joined for windows of up to 2 r + 1.
   PENUMBRA_HD void look_across(int w, int y, int r) const {
-    std::uint64_t dark = 0, lit = 0;
+    std::uint64_t dark = 0, lit = 0, all = ~std::uint64_t(0);
     for (int x = 64 * w - margin - r; x <= 64 * w - margin + r; ++x) {
       const std::uint64_t there = at(seen, x, y), light = at(open, x, y);
-      dark |= there & ~light, lit |= there & light;
+      dark |= there & ~light, lit |= there & light, all &= at(joined, x, y);
     }
-    near_dark[word(w, y)] = dark, near_lit[word(w, y)] = lit;
+    near_dark[word(w, y)] = dark, near_lit[word(w, y)] = lit, near_joined[word(w, y)] = all;
   }
-  /// Then sets mixed.
+  /// Then sets mixed and whole.
   PENUMBRA_HD void look_along(int w, int y, int r) const {
-    std::uint64_t dark = 0, lit = 0;
+    const bool inside = y >= r && y + r < height;
+    std::uint64_t dark = 0, lit = 0, all = inside ? ~std::uint64_t(0) : 0;
     const int top = y > r ? y - r : 0, bottom = y + r < height ? y + r : height - 1;
-    for (int v = top; v <= bottom; ++v) dark |= near_dark[word(w, v)], lit |= near_lit[word(w, v)];
-    mixed[word(w, y)] = dark & lit;
+    for (int v = top; v <= bottom; ++v) {
+      dark |= near_dark[word(w, v)], lit |= near_lit[word(w, v)];
+      all &= near_joined[word(w, v)];
+    }
+    mixed[word(w, y)] = dark & lit, whole[word(w, y)] = all;
   }
 
-  /// Calls use(dy, word) for rows of the mask, bit i of which is the pixel at x - r + i; the middle one first.
-  template <class Use>
-  PENUMBRA_HD void for_rows(int x, int y, int r, const Use& use) const {
+  /// Calls use(dy, word) for rows of the mask, bit i of which is the pixel at x - r + i, from the middle outwards,
+  /// until enough(k), asked before the rows k above and below.
+  template <class Use, class Enough>
+  PENUMBRA_HD void for_rows(int x, int y, int r, const Use& use, const Enough& enough) const {
     const std::uint64_t window = ones(2 * r + 1);
-    const std::uint64_t middle = spread_out(bit_at(r), at(right, x - r, y) & window, r, r) & window;
-    use(0, middle);
-    for_rows_above_or_below(x, y, r, -1, middle, use);
-    for_rows_above_or_below(x, y, r, 1, middle, use);
+    const Columns from = columns(x - r);
+    const bool all = bit(whole, x, y);
+    std::uint64_t above = all ? window : spread_out(bit_at(r), at(right, from, y) & window, r, r) & window;
+    std::uint64_t below = above;
+    use(0, above);
+    for (int k = 1; k <= r && (above | below) != 0 && !enough(k); ++k) {
+      if (!all) above = next_row(above, from, y, r, -1, k), below = next_row(below, from, y, r, 1, k);
+      if (above != 0) use(-k, above);
+      if (below != 0) use(k, below);
+    }
   }
 
   PENUMBRA_HD Counted count(int x, int y, int r) const {
     Counted counted;
-    for_rows(x, y, r, [&](int dy, std::uint64_t row) {
-      counted.all += bits_in(row);
-      counted.open += bits_in(row & at(open, x - r, y + dy));
-    });
+    const Columns from = columns(x - r);
+    for_rows(
+        x, y, r,
+        [&](int dy, std::uint64_t row) {
+          counted.all += bits_in(row);
+          counted.open += bits_in(row & at(open, from, y + dy));
+        },
+        [](int) { return false; });
     return counted;
   }
 
   /// As count(), of the whole window (Chen et al. 2016), pixels that show nothing left out.
   PENUMBRA_HD Counted count_all(int x, int y, int r) const {
     Counted counted;
+    const Columns from = columns(x - r);
     const int top = y > r ? y - r : 0, bottom = y + r < height ? y + r : height - 1;
     for (int v = top; v <= bottom; ++v) {
-      const std::uint64_t row = at(seen, x - r, v) & ones(2 * r + 1);
+      const std::uint64_t row = at(seen, from, v) & ones(2 * r + 1);
       counted.all += bits_in(row);
-      counted.open += bits_in(row & at(open, x - r, v));
+      counted.open += bits_in(row & at(open, from, v));
     }
     return counted;
   }
@@ -137,39 +160,37 @@ struct SurfaceRows {
   /// As visibility_filter::borrowed_caster(), of these casters.
   template <class Floats>
   PENUMBRA_HD float borrowed_caster(const Floats& caster, int x, int y, int r) const {
+    const Columns from = columns(x - r);
     int least = 2 * widest * widest, nearest_x = 0, nearest_y = 0;
     const auto look_at = [&](int dx, int dy) {
       const int distance = dx * dx + dy * dy;
       const bool first = dy < nearest_y || (dy == nearest_y && dx < nearest_x);  // rows do not come in their order
       if (distance < least || (distance == least && first)) least = distance, nearest_x = dx, nearest_y = dy;
     };
-    for_rows(x, y, r, [&](int dy, std::uint64_t row) {
-      const std::uint64_t dark = row & ~at(open, x - r, y + dy);
-      if (const std::uint64_t left_half = dark & ones(r + 1)) look_at(highest_bit(left_half) - r, dy);
-      if (const std::uint64_t right_half = dark >> r) look_at(lowest_bit(right_half), dy);
-    });
+    for_rows(
+        x, y, r,
+        [&](int dy, std::uint64_t row) {
+          const std::uint64_t dark = row & ~at(open, from, y + dy);
+          if (const std::uint64_t left_half = dark & ones(r + 1)) look_at(highest_bit(left_half) - r, dy);
+          if (const std::uint64_t right_half = dark >> r) look_at(lowest_bit(right_half), dy);
+        },
+        [&](int k) { return k * k > least; });
     if (least == 2 * widest * widest) return std::numeric_limits<float>::infinity();
     return caster[pixel(x + nearest_x, y + nearest_y)];
   }
 
  private:
-  /// Rows above (way -1) or below (1): from the row before, inside the diagonals straight and along them aslant; then
-  /// outwards within the row.
-  template <class Use>
-  PENUMBRA_HD void for_rows_above_or_below(int x, int y, int r, int way, std::uint64_t middle, const Use& use) const {
+  /// Row k above (way -1) or below (1): from the row before, inside the diagonals straight and along them aslant; then
+  /// outwards within the row. 0 from the first row on that nothing reaches.
+  PENUMBRA_HD std::uint64_t next_row(std::uint64_t row, Columns from, int y, int r, int way, int k) const {
+    const int v = y + way * k, between = way < 0 ? v : v - 1;  // the upper row of two holds their links
+    if (row == 0 || v < 0 || v >= height) return 0;
     const Words &to_right = way < 0 ? down_left : down_right, &to_left = way < 0 ? down_right : down_left;
-    const std::uint64_t window = ones(2 * r + 1);
-    std::uint64_t row = middle;
-    for (int k = 1; k <= r && row != 0; ++k) {
-      const int v = y + way * k, between = way < 0 ? v : v - 1;  // the upper row of two holds their links
-      if (v < 0 || v >= height) break;
-      const std::uint64_t inner = ones(2 * k - 1) << (r - k + 1);
-      const std::uint64_t straight = row & inner & at(down, x - r, between);
-      const std::uint64_t right_end = (row & at(to_right, x - r, between)) << 1 & bit_at(r + k);
-      const std::uint64_t left_end = row >> 1 & at(to_left, x - r, between) & bit_at(r - k);
-      row = spread_out(straight | right_end | left_end, at(right, x - r, v), r - k, r + k) & window;
-      use(way * k, row);
-    }
+    const std::uint64_t inner = ones(2 * k - 1) << (r - k + 1);
+    const std::uint64_t straight = row & inner & at(down, from, between);
+    const std::uint64_t right_end = (row & at(to_right, from, between)) << 1 & bit_at(r + k);
+    const std::uint64_t left_end = row >> 1 & at(to_left, from, between) & bit_at(r - k);
+    return spread_out(straight | right_end | left_end, at(right, from, v), r - k, r + k) & ones(2 * r + 1);
   }
 };
 
