@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -109,7 +110,7 @@ Thing read_thing(TomlReader& at, const SphereChoice& choice, const FitProgress& 
     for (vec3& n : thing.mesh.normals) n = vec3(turned_upright(n));
   }
   thing.spheres = spheres_of(at, thing.mesh, choice, objective, progress);
-  if (!objective.empty()) list.objective = objective;
+  if (!thing.spheres.empty() || !objective.empty()) list.objective.add(objective);
   if (z_up && objective.empty())  // fitted ones are of the turned mesh
     for (glm::dvec4& s : thing.spheres) s = {turned_upright(dvec3(s)), s.w};
   if (auto fit = at.table("fit")) {
@@ -150,6 +151,8 @@ void append(EntityList& list, Thing&& thing, std::string name) {
 void read_entity(TomlReader& at, const SphereChoice& choice, const FitProgress& progress, EntityList& list) {
   std::string name = at.text("name").value_or(fmt::format("entity {}", list.entities.size() + 1));
   if (const std::string fault = name_fault(name); !fault.empty()) at.fail("name", fault);
+  for (const Entity& other : list.entities)
+    if (other.name == name) at.fail("name", "is '" + name + "', which another entity is called");
   Thing thing = read_thing(at, choice, progress, list);
   list.motions.push_back(at.table("motion"));
   at.finish();
@@ -181,6 +184,8 @@ Motion read_motion_of(TomlReader& at, dvec3 origin, dvec3 centre, bool (*allowed
   motion.centre = vec3(read_place(at, "centre").value_or(centre) - origin);
   motion.travel = vec3(read_place(at, "travel").value_or(dvec3(0.0)));
   if (motion.travel != vec3(0.0f) && !motion.moves_occluder()) at.fail("travel", "is for what blocks light");
+  for (const char* key : {"centre", "carry"})
+    if (motion.moves_camera() && at.has(key)) at.fail(key, "means nothing to a camera");
   const std::string carry = at.text("carry").value_or("rigid");
   if (carry == "affine") motion.carry = Carry::affine;
   else if (carry != "rigid") at.fail("carry", "is '" + carry + "'; allowed are rigid, affine");
@@ -200,6 +205,19 @@ dvec3 middle_of(const EntityList& list, const Entity& entity) {
 
 }  // namespace
 
+std::vector<SphereChoice> choices_of(std::vector<TomlReader>& entities, const SphereChoice& choice) {
+  std::vector<SphereChoice> choices(entities.size(), choice);
+  const auto has_mesh = [](TomlReader& at) { return at.text("mesh").value_or("") != "none"; };
+  const int meshes = int(std::count_if(entities.begin(), entities.end(), has_mesh));
+  if (entities.size() < 2 || meshes == 0) return choices;
+  for (std::size_t k = 0, mesh = 0; k < entities.size(); ++k) {
+    if (!has_mesh(entities[k])) choices[k].count.reset(), choices[k].objective.reset();
+    else if (choice.count)
+      choices[k].count = std::max(1, *choice.count / meshes + (int(mesh++) < *choice.count % meshes));
+  }
+  return choices;
+}
+
 EntityList read_entities(TomlReader& file, const SphereChoice& choice, const FitProgress& progress) {
   EntityList list;
   std::vector<TomlReader> several = file.tables("entity");
@@ -212,7 +230,8 @@ EntityList read_entities(TomlReader& file, const SphereChoice& choice, const Fit
     list.motions.emplace_back();
     append(list, std::move(thing), "occluder");
   }
-  for (TomlReader& at : several) read_entity(at, choice, progress, list);
+  const std::vector<SphereChoice> choices = choices_of(several, choice);
+  for (std::size_t k = 0; k < several.size(); ++k) read_entity(several[k], choices[k], progress, list);
   if (list.entities.empty()) file.required("occluder", one, "a table, or one [[entity]] for each thing");
   return list;
 }

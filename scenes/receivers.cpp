@@ -26,7 +26,7 @@ void warn_of_large_triangles(const Receivers& r) {
     warn(
         "receivers lie on triangles so large that their rays must start {:.2g} m above them, {:.2g} % of what is "
         "looked "
-        "at: divide the largest triangles of the mesh",
+        "at: divide the largest triangles of the mesh, or let the largest mirrors cast no shadow",
         most, 100.0f * most / glm::distance(low, high));
 }
 

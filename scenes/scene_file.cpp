@@ -96,12 +96,15 @@ Scene load_scene(const std::string& name_or_path, const SphereChoice& choice, co
   EntityList things = read_entities(file, choice, progress);
   scene.receiver_spec = read_receivers(section("receivers"), things.mesh, scene.origin);
   read_motions_of_entities(things, scene.origin);
-  scene.entities = std::move(things.entities), scene.objective = std::move(things.objective);
+  scene.entities = std::move(things.entities), scene.objective = things.objective.name();
   scene.light = read_light(section("light"), scene.origin);
   if (auto motion = file.table("motion")) scene.motion = read_motion(*motion, scene.origin);
   scene.receiver_spec.mirrors = read_mirrors(file, scene.origin);
   if (scene.motion.moves_camera() && !std::holds_alternative<Camera>(scene.receiver_spec.kind))
     file.fail("motion", "moves the camera, but the receivers are none");
+  const auto moves_alone = [](const Entity& e) { return e.motion.kind != Motion::Kind::none; };
+  if (scene.motion.moves_occluder() && std::all_of(scene.entities.begin(), scene.entities.end(), moves_alone))
+    file.fail("motion", "moves nothing: every entity has a motion of its own");
   check_mirrors(file, scene, !things.spheres.empty() || !scene.objective.empty());
   file.finish();
   scene.mesh = narrowed(things.mesh, scene.origin);

@@ -105,7 +105,7 @@ std::vector<TomlReader> TomlReader::tables(const std::string& key) {
   const toml::node* n = node(key);
   if (!n) return {};
   const toml::array* a = n->as_array();
-  if (!a || !a->is_array_of_tables()) fail(key, "must be an array of tables: [[" + key + "]]");
+  if (!a || !a->is_array_of_tables()) fail(key, "must be an array of tables: [[" + name(key) + "]]");
   std::vector<TomlReader> readers;
   for (const toml::node& item : *a)
     readers.emplace_back(*item.as_table(), file_, fmt::format("{}[{}]", name(key), readers.size()));

@@ -84,7 +84,13 @@ std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& 
 std::unique_ptr<Technique> make_technique(const Entry& entry, const Parameters& parameters, const Light& light) {
   if (each_of(light).size() == 1) return make_technique(entry, parameters);
   if (entry.backend == Backend::cuda) throw Unsupported("several lights: not on a device");
-  return std::make_unique<SeveralLights>([entry, parameters] { return make_technique(entry, parameters); });
+  const Parameters all = parameters.resolve(entry.parameters, entry.title());
+  return std::make_unique<SeveralLights>([entry, all](std::size_t number) {
+    Parameters own = all;
+    const auto seed = own.all().find("seed");
+    if (seed != own.all().end()) own.set("seed", (std::get<int>(seed->second) + int(number)) % (1 << 30));
+    return make_technique(entry, own);
+  });
 }
 
 }  // namespace penumbra

@@ -7,7 +7,7 @@ namespace penumbra {
 void SeveralLights::prepare(const Scene& scene, const Light& light) {
   parts_.clear();
   for (const Light& one : each_of(light)) {
-    parts_.push_back(make_());
+    parts_.push_back(make_(parts_.size()));
     parts_.back()->prepare(scene, one);
   }
 }

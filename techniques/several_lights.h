@@ -10,7 +10,8 @@ namespace penumbra {
 /// One instance of a technique for each light of a scene; their images are added.
 class SeveralLights final : public Technique {
  public:
-  using Make = std::function<std::unique_ptr<Technique>()>;
+  /// Makes the technique of the light of that number: what is random should differ from light to light.
+  using Make = std::function<std::unique_ptr<Technique>(std::size_t light)>;
   explicit SeveralLights(Make make) : make_(std::move(make)) {}
 
   void prepare(const Scene& scene, const Light& light) override;

@@ -72,10 +72,11 @@ std::string vector_text(vec3 v) {
 
 std::string mesh_text(const Scene& scene, std::string name) {
   if (scene.entities.size() > 1) name = fmt::format("{} entities", scene.entities.size());
-  if (scene.mesh.empty()) return name;
-  const vec3 extent = bounds(scene.mesh).extent();
-  return fmt::format("{}: {} triangles, {:.3g} x {:.3g} x {:.3g} m", name, scene.mesh.triangles.size(), extent.x,
-                     extent.y, extent.z);
+  const Mesh mesh = without_mirrors(scene.mesh, scene.receiver_spec.mirrors);
+  if (mesh.empty()) return name;
+  const vec3 extent = bounds(mesh).extent();
+  return fmt::format("{}: {} triangles, {:.3g} x {:.3g} x {:.3g} m", name, mesh.triangles.size(), extent.x, extent.y,
+                     extent.z);
 }
 
 std::string spheres_text(const SceneOutline& outline) {

@@ -9,6 +9,7 @@
 #include "harness/commands/input_kind.h"
 #include "harness/commands/save_image.h"
 #include "harness/measure/black_truth.h"
+#include "harness/measure/check.h"
 #include "harness/measure/chosen_frame.h"
 #include "harness/measure/progress.h"
 #include "scenes/error.h"
@@ -35,8 +36,8 @@ void render(const RenderOptions& options) {
   make_technique(entry, options.parameters);  // mistakes are told before the scene is loaded
   Progress progress;
   const Scene scene = load_scene(options.scene, {options.spheres, {}}, progress);
-  if (!entry.lights.accepts(scene.light))
-    throw Unsupported(entry.title() + " cannot shade the light of scene " + scene.name);
+  if (const std::string why = reason_to_skip(entry, scene.light); !why.empty())
+    throw Unsupported(fmt::format("{} {}: scene {}", entry.title(), why, scene.name));
   const auto technique = make_technique(entry, options.parameters, scene.light);
   progress.step("preparing " + entry.title());
   const auto start = std::chrono::steady_clock::now();

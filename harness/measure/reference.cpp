@@ -96,10 +96,10 @@ double predicted_rounds(const Reference& so_far, int rounds, const Receivers& re
   return noise > wanted && wanted > 0.0 ? double(rounds) * (noise / wanted) * (noise / wanted) : double(rounds);
 }
 
-void compute_truth(const Frame& frame, const ReferenceSettings& settings, Reference& out,
+void compute_truth(const Frame& frame, const ReferenceSettings& settings, std::size_t light, Reference& out,
                    const ReferenceProgress& progress) {
   constexpr int first_look = 2, fewest = TruthRounds::fewest;
-  TruthRounds sampler(frame, settings, out);
+  TruthRounds sampler(frame, settings, light, out);
   const int most = sampler.most_rounds();
   double predicted = most;
   const auto look = [&](int rounds) {
@@ -198,12 +198,12 @@ void check_finite(const Reference& reference, const Receivers& receivers) {
 
 namespace {
 
-Reference of_one_light(const Frame& frame, Rung rung, const ReferenceSettings& settings,
+Reference of_one_light(const Frame& frame, std::size_t light, Rung rung, const ReferenceSettings& settings,
                        const ReferenceProgress& progress) {
   Reference out;
   out.rung = rung;
   out.mean = out.variance = out.unshadowed = blank(frame.receivers);
-  if (rung == Rung::truth) compute_truth(frame, settings, out, progress);
+  if (rung == Rung::truth) compute_truth(frame, settings, light, out, progress);
   else if (rung == Rung::r13x13) compute_13x13(frame, out, progress);
   else compute_texels(frame, rung, settings.resolution, out, progress);
   return out;
@@ -227,7 +227,7 @@ Reference compute_reference(const Frame& frame, Rung rung, const ReferenceSettin
   for (std::size_t k = 0; k < lights.size(); ++k) {
     const Frame lit{frame.time, frame.mesh, frame.spheres, lights[k], frame.receivers, frame.changed};
     const ReferenceProgress part = [&](double share) { progress((double(k) + share) / double(lights.size())); };
-    Reference one = of_one_light(lit, rung, settings, progress ? part : progress);
+    Reference one = of_one_light(lit, k, rung, settings, progress ? part : progress);
     stop_if_interrupted();
     if (k == 0) out = std::move(one);
     else add(out, one);

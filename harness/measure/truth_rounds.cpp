@@ -49,7 +49,7 @@ double share_of(double part, double whole) {
 
 }  // namespace
 
-TruthRounds::TruthRounds(const Frame& frame, const ReferenceSettings& settings, Reference& out)
+TruthRounds::TruthRounds(const Frame& frame, const ReferenceSettings& settings, std::size_t light, Reference& out)
     : frame_(frame),
       settings_(settings),
       out_(out),
@@ -57,7 +57,8 @@ TruthRounds::TruthRounds(const Frame& frame, const ReferenceSettings& settings, 
       samples_(frame.light),
       sum_(out.mean.pixels.size(), dvec3(0.0)),
       squares_(sum_),
-      open_(sum_) {
+      open_(sum_),
+      light_(light) {
   gather();
   if (!products_.empty() && settings.truth_noise < quick) allocate();
 }
@@ -156,6 +157,7 @@ double TruthRounds::rays_per_round() const {
 }
 
 void TruthRounds::trace_all(std::uint64_t stream) {
+  if (light_ > 0) stream = stream_of(int(mix_bits(stream ^ light_) >> 32));  // lights are sampled independently
   if (products_.empty())
     tbb::parallel_for(std::size_t(0), packets_.size(), [&](std::size_t k) { trace_lamp(packets_[k], stream); });
   else

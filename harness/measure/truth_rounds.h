@@ -33,7 +33,8 @@ class TruthRounds {
  public:
   static constexpr int fewest = 8;
 
-  TruthRounds(const Frame& frame, const ReferenceSettings& settings, Reference& out);
+  /// `light`: the number of the frame's light among those of its scene, which tells their samples apart.
+  TruthRounds(const Frame& frame, const ReferenceSettings& settings, std::size_t light, Reference& out);
 
   void round(int index);
   /// Writes mean, variance and unshadowed radiance so far.
@@ -82,6 +83,7 @@ class TruthRounds {
   std::vector<dvec3> sum_, squares_, open_;
   std::vector<vec3> visible_;  ///< share of what arrives that reaches a receiver; empty without a pilot
   tbb::enumerable_thread_specific<Scratches> scratches_;
+  std::uint64_t light_;  ///< 0 for the first of a scene
   int rounds_ = 0;
 };
 

@@ -325,8 +325,8 @@ void register_ray_traced_denoised(Registry& registry) {
           "width of the filter as part of the penumbra's, with one ray; more need less, by 1 / sqrt(rays)"),
       integer_parameter("most", 8, 1, widest_box, "pixels", "widest filter"),
   };
-  entry.knobs = {{"rays", {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}, true}};
-  entry.errs_by = "noise";
+  entry.knobs = {{"rays", {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}, true}, {"most", {1, 8}}};
+  entry.errs_by = "noise and blur";
   entry.parity = 1e-3;                           // packets and single rays may round an edge differently
   entry.reach = widest_box / 2 + 3 * tile_edge;  // the box, and the tiles whose casters make it
   add_pair<Denoised, DenoisedSimd>(registry, std::move(entry));

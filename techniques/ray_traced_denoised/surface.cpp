@@ -10,6 +10,18 @@ namespace {
 
 constexpr float most_sine = 0.25f;    // 14 degrees off a tangent plane
 constexpr float least_cosine = 0.9f;  // 26 degrees between normals
+constexpr float longest_leap = 4.0f;  // of the distances before and after
+
+/// Is pixel k + 1 of a row much farther from pixel k than they are from those beside them? What lies in one plane may
+/// be seen directly by the one and in a mirror by the other.
+bool leaps(const Receivers& r, int first, int count, int step, int k) {
+  const auto distance = [&](int a, int b) {
+    const int i = first + a * step, j = first + b * step;
+    return a < 0 || b >= count || !r.valid(i) || !r.valid(j) ? 0.0f : glm::distance(r.position[i], r.position[j]);
+  };
+  const float beside = std::max(distance(k - 1, k), distance(k + 1, k + 2));
+  return beside > 0.0f && distance(k, k + 1) > longest_leap * beside;
+}
 
 /// Runs and density of `count` pixels, `step` apart, from `first` on.
 void walk(const Receivers& r, int first, int count, int step, std::uint8_t* before, std::uint8_t* after,
@@ -17,7 +29,7 @@ void walk(const Receivers& r, int first, int count, int step, std::uint8_t* befo
   before[first] = 0;
   float chord = 0.0f;  // to the pixel before; 0 if it is not linked
   for (int k = 0, i = first; k < count; ++k, i += step) {
-    const bool on = k + 1 < count && linked(r, i, i + step);
+    const bool on = k + 1 < count && linked(r, i, i + step) && !leaps(r, first, count, step, k);
     const float next = on ? glm::distance(r.position[i], r.position[i + step]) : 0.0f;
     const float links = float(chord > 0.0f) + float(next > 0.0f);
     density[i] = links > 0.0f ? links / (chord + next) : 0.0f;

@@ -55,7 +55,7 @@ TEST_F(CommandLine, MistakesAreOneLineAndCodeTwo) {
       "lamp.toml",
       "name = \"lamp\"\n[occluder]\nmesh = \"box\"\n[receivers]\nplane = { half_extent = 1.0, resolution = 4 }\n"
       "[light]\narea = { centre = [0, 9, 0], normal = [0, -1, 0], radius = 1.0 }\n");
-  expect_error("render " + lamp + " --technique pixel-basis -o x.exr", "cannot shade the light");
+  expect_error("render " + lamp + " --technique pixel-basis -o x.exr", "cannot shade an area light");
   expect_error("reference " + scene + " --rung 13x13", "area lights");
   expect_error("reference " + scene + " --rung best", "truth");
   expect_error("fit teapot --spheres 4 -o s.json", "no such mesh file");

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scenes/scene_file.h"
+#include "scenes/scene_outline.h"
 #include "tests/support.h"
 
 namespace penumbra {
@@ -99,7 +100,35 @@ TEST(Entities, MirrorsStayWhereTheyAre) {
     EXPECT_EQ(frame.mesh.positions[i], scene.mesh.positions[i]);
 }
 
+/// A count that a suite chooses is for all entities with a mesh, in even shares; outline and scene agree.
+TEST(Entities, ShareTheSpheresThatASuiteAsksFor) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.write(
+      "s.toml",
+      "[[entity]]\nmesh = \"sphere\"\nfit = { height = 1.0, at = [-1, 0.5, 0] }\nspheres = 2\n"
+      "[[entity]]\nmesh = \"none\"\nspheres = [[0, 3, 0, 0.2]]\n"
+      "[[entity]]\nmesh = \"box\"\nfit = { height = 1.0, at = [1, 0.5, 0] }\nspheres = 3\nobjective = \"k-means\"\n" +
+          rest);
+  SphereChoice choice;
+  EXPECT_EQ(read_outline(path).objective, "mixed");
+  EXPECT_EQ(read_outline(path).spheres, 6u);
+  choice.count = 5, choice.objective = Objective::k_means;
+  EXPECT_EQ(read_outline(path, choice).spheres, 6u);
+  const Scene scene = load_scene(path, choice);
+  EXPECT_EQ(scene.entities[0].spheres.count, 3u);
+  EXPECT_EQ(scene.entities[1].spheres.count, 1u);
+  EXPECT_EQ(scene.entities[2].spheres.count, 2u);
+  EXPECT_EQ(scene.objective, "mixed") << "one is given";
+}
+
 TEST(Entities, MistakesAreNamed) {
+  EXPECT_NE(
+      error_for("[[entity]]\n" + box + "name = \"a\"\n[[entity]]\n" + box + "name = \"a\"\n" + rest).find("another"),
+      std::string::npos);
+  EXPECT_NE(error_for("[[entity]]\n" + box + "motion = { kind = \"twist\" }\n" + rest + "[motion]\nkind = \"bend\"\n")
+                .find("moves nothing"),
+            std::string::npos);
+
   EXPECT_NE(error_for(rest).find("[[entity]]"), std::string::npos);
   EXPECT_NE(error_for("[occluder]\n" + box + "[[entity]]\n" + box + rest).find("[[entity]]"), std::string::npos);
   EXPECT_NE(error_for("[[entity]]\n" + box + "colour = 1\n" + rest).find("entity[0].colour"), std::string::npos);

@@ -374,5 +374,22 @@ TEST(RayTracedDenoised, VerticesHaveTheRatioOfTheirOwnSums) {
   }
 }
 
+/// Ground seen directly and ground seen in a mirror lie in one plane, and apart.
+TEST(RayTracedDenoised, WhatAMirrorShowsIsNotLinkedToWhatIsBesideIt) {
+  std::vector<vec3> positions;
+  for (int y = 0; y < 3; ++y)
+    for (const float x : {0.0f, 0.1f, 0.21f, 2.0f, 2.1f, 2.2f}) positions.emplace_back(x, 0.0f, 0.1f * float(y));
+  Receivers r = test::receivers_at(positions);
+  r.width = 6, r.height = 3;
+  ray_traced_denoised::SurfaceMap map;
+  ray_traced_denoised::find_surfaces(r, map);
+  for (int y = 0; y < 3; ++y) {
+    EXPECT_EQ(map.right[std::size_t(6 * y)], 2);
+    EXPECT_EQ(map.right[std::size_t(6 * y + 2)], 0);
+    EXPECT_EQ(map.left[std::size_t(6 * y + 5)], 2);
+  }
+  EXPECT_EQ(map.down[0], 2) << "along columns nothing leaps";
+}
+
 }  // namespace
 }  // namespace penumbra::ray_traced_denoised

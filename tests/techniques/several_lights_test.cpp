@@ -6,6 +6,7 @@
 #include "harness/measure/check.h"
 #include "harness/measure/parity.h"
 #include "harness/measure/reference.h"
+#include "harness/results/metrics.h"
 #include "scenes/scene_file.h"
 #include "tests/support.h"
 
@@ -38,6 +39,13 @@ TEST(SeveralLights, AreReadTogether) {
   EXPECT_NE(area_light_of(lit_by(red).light), nullptr);
 }
 
+/// Light by light, in a first light's random numbers: what `part` of one gets.
+Parameters of_part(const Entry& entry, Parameters parameters, int part) {
+  for (const Parameter& p : entry.parameters)
+    if (p.name == "seed") parameters.set("seed", std::get<int>(p.fallback) + part);
+  return parameters;
+}
+
 TEST(SeveralLights, ImagesAddUp) {
   const Scene all = lit_by(environment + red + blue);
   const Scene alone[] = {lit_by(environment), lit_by(red), lit_by(blue)}, lamps = lit_by(red + blue);
@@ -53,9 +61,10 @@ TEST(SeveralLights, ImagesAddUp) {
     }
     ++tried;
     std::vector<vec3> sum(std::size_t(all.receivers.size()), vec3(0.0f));
+    int part = 0;
     for (const Scene& one : alone) {
       if (!entry.lights.accepts(one.light)) continue;
-      const std::vector<vec3> image = test::shade(*make_technique(entry, small, one.light), one);
+      const std::vector<vec3> image = test::shade(*make_technique(entry, of_part(entry, small, part++)), one);
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += image[i];
     }
     EXPECT_LT(test::difference(test::shade(*make_technique(entry, small, several.light), several), sum), 1e-6)
@@ -78,8 +87,14 @@ TEST(SeveralLights, TruthsAddUp) {
     const Reference one = truth(lit_by(lights));
     for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += one.mean.pixels[i], variance[i] += one.variance.pixels[i];
   }
-  EXPECT_LT(test::difference(together.mean.pixels, mean), 1e-6);
-  EXPECT_LT(test::difference(together.variance.pixels, variance), 1e-6);
+  const std::vector<bool> valid = valid_receivers(all.receivers);
+  const Image sum{together.mean.width, together.mean.height, mean}, spread{sum.width, sum.height, variance};
+  Reference of_parts = together;
+  of_parts.variance = spread;
+  // Samples of the second and third light are others than theirs alone; both sums are as uncertain.
+  const double noise = std::hypot(together.noise(valid), of_parts.noise(valid));
+  EXPECT_LT(rms(difference(together.mean, sum), valid), 1.5 * noise);
+  EXPECT_NEAR(together.noise(valid) / of_parts.noise(valid), 1.0, 0.25);
 
   Animation animation(all);
   const Frame frame = animation.frame(0);
@@ -91,6 +106,27 @@ TEST(SeveralLights, TruthsAddUp) {
   const Receivers& r = all.receivers;
   EXPECT_GT(light_scale(all.light, r), light_scale(two.light, r));
   EXPECT_TRUE(light_arrives(all.light, r));
+}
+
+/// Equal lamps in one place are sampled apart: the noise of their sum is what its variance says.
+TEST(SeveralLights, AreSampledIndependently) {
+  std::string eight;
+  for (int k = 0; k < 8; ++k) eight += blue;
+  ReferenceSettings coarse;
+  coarse.truth_noise = 0.05;
+  const auto truth = [](const Scene& scene, const ReferenceSettings& settings) {
+    Animation animation(scene);
+    return compute_reference(animation.frame(0), Rung::truth, settings);
+  };
+  ReferenceSettings fine;
+  fine.truth_noise = 0.002;
+  const Scene one = lit_by(blue), all = lit_by(eight);
+  const std::vector<bool> valid = valid_receivers(all.receivers);
+  const Reference exact = truth(one, fine), found = truth(all, coarse);
+  Image eightfold = exact.mean;
+  for (vec3& pixel : eightfold.pixels) pixel *= 8.0f;
+  const double error = rms(difference(found.mean, eightfold), valid);
+  EXPECT_LT(error, 1.6 * std::hypot(found.noise(valid), 8.0 * exact.noise(valid)));
 }
 
 /// A motion turns every light.
