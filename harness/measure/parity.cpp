@@ -38,7 +38,10 @@ namespace {
 constexpr double parity_floor = 1e-2;
 
 std::vector<vec3> shaded(const Entry& entry, const Parameters& parameters, const Scene& scene) {
-  const auto technique = make_technique(entry, parameters, scene.light);
+  Parameters known;  // a device has some that its twin lacks
+  for (const Parameter& p : entry.parameters)
+    if (const auto at = parameters.all().find(p.name); at != parameters.all().end()) known.set(p.name, at->second);
+  const auto technique = make_technique(entry, known, scene.light);
   technique->prepare(scene);
   Animation animation(scene);
   const Frame frame = animation.frame(scored_frame(animation));
