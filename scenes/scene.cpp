@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace penumbra {
 namespace {
@@ -71,12 +72,14 @@ vec3 moved_normal(const Motion& motion, const Bounds& rest, vec3 p, vec3 normal,
   return length > 0.0 ? vec3(n / length) : normal;
 }
 
+template <class T>
+std::vector<T> taken(const std::vector<T>& from, const Entity::Range& range) {
+  const std::span<const T> part = std::span(from).subspan(range.first, range.count);
+  return {part.begin(), part.end()};
+}
+
 /// An entity's own mesh.
 Mesh part_of(const Mesh& all, const Entity& entity) {
-  const auto taken = [](const auto& from, const Entity::Range& range) {
-    const auto first = from.begin() + std::ptrdiff_t(range.first);
-    return std::vector(first, first + std::ptrdiff_t(range.count));
-  };
   Mesh mesh;
   mesh.origin = all.origin;
   mesh.positions = taken(all.positions, entity.vertices);
@@ -103,8 +106,7 @@ void Animation::begin(const Entity& entity) {
   if (!part.entity.motion.moves_occluder()) return;
   part.rest = part_of(scene_.mesh, entity);
   part.box = bounds(part.rest);
-  const auto first = scene_.spheres.spheres.begin() + std::ptrdiff_t(entity.spheres.first);
-  part.rest_spheres.spheres.assign(first, first + std::ptrdiff_t(entity.spheres.count));
+  part.rest_spheres.spheres = taken(scene_.spheres.spheres, entity.spheres);
   if (!part.rest.empty() && !part.rest_spheres.empty())
     part.carrier = SphereCarrier(part.rest, part.rest_spheres, part.entity.motion.carry);
   part.mesh = part.rest, part.spheres = part.rest_spheres;
@@ -129,7 +131,7 @@ void Animation::move(Moving& part, int index) {
     for (std::size_t i = 0; i < part.spheres.size(); ++i)
       part.spheres.spheres[i].centre = moved(motion, part.box, part.rest_spheres.spheres[i].centre, phase);
   const auto put = [](const auto& from, auto& to, std::size_t first) {
-    std::copy(from.begin(), from.end(), to.begin() + std::ptrdiff_t(first));
+    if (!from.empty()) std::copy(from.begin(), from.end(), to.begin() + std::ptrdiff_t(first));
   };
   put(part.mesh.positions, mesh_.positions, part.entity.vertices.first);
   put(part.mesh.normals, mesh_.normals, part.entity.vertices.first);

@@ -57,7 +57,7 @@ void LightRays::make(const Receivers& receivers, int i, int place, Ray* rays) co
   const vec3 n = receivers.normal[i];
   const auto first = std::size_t(place) * std::size_t(count_);
   if (!lamp_) {
-    const LightSample* samples = &samples_[table_.index[i]][first];
+    const LightSample* samples = samples_[table_.index[i]].data() + first;
     for (int j = 0; j < count_; ++j) {
       const float cosine = std::max(0.0f, glm::dot(n, samples[j].direction));
       rays[j] = {samples[j].direction, samples[j].distance, cosine * samples[j].weight};

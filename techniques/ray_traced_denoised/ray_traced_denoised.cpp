@@ -240,7 +240,7 @@ class Denoised : public Technique {
     const std::vector<float> penumbra = spread(tiles_, reach);
     for_ranges(receivers_->height, 16, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) {
-        const float* row = &penumbra[std::size_t(y / tile_edge) * std::size_t(tiles_.columns)];
+        const float* row = penumbra.data() + std::size_t(y / tile_edge) * std::size_t(tiles_.columns);
         float* extent = extent_.data() + std::size_t(y) * std::size_t(receivers_->width);
         for (int x = 0; x < receivers_->width; ++x) extent[x] = share_ * row[x / tile_edge];
       }

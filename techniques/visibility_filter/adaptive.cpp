@@ -107,7 +107,7 @@ class AdaptiveSimd final : public Packets<Adaptive> {
       for (int y = begin; y < end; ++y) {
         const std::size_t first = pixels_.index(0, y);
         filter_row(bits_, pixels_, to_eye ? to_eye + first : nullptr, filtering_, y, radius.data(),
-                   &visibility_[first]);
+                   visibility_.data() + first);
         for (const std::uint8_t r : radius) rows[std::size_t(y)].note(r);
       }
     });

@@ -38,7 +38,7 @@ class FixedSimd final : public Packets<Fixed> {
   void filter() override {
     bits_.set(pixels_, std::nullopt, radius_);
     for_ranges(pixels_.height, 4, [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) box_row(bits_, radius_, y, &visibility_[pixels_.index(0, y)]);
+      for (int y = begin; y < end; ++y) box_row(bits_, radius_, y, visibility_.data() + pixels_.index(0, y));
     });
   }
 };

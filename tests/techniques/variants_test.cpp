@@ -299,6 +299,41 @@ TEST(InstructionSets, AllAgree) {
   }
 }
 
+/// A lamp that lies among the receivers, on the mesh or has no area, an image of one pixel, two mirrors that see each
+/// other: every image is finite and not negative, and what shows nothing is black.
+TEST(Variants, LampsThatTouchAndImagesOfOnePixelAreDefined) {
+  const Mesh box = make_box({-0.5f, 0.0f, -0.5f}, {0.5f, 1.0f, 0.5f});
+  const auto picture = [&](int pixels, std::vector<Mirror> mirrors, const AreaLight& lamp) {
+    Scene scene;
+    scene.name = "hard";
+    scene.mesh = box;
+    add_mirrors(scene.mesh, mirrors);
+    scene.receiver_spec = {Camera{{0.4f, 1.5f, 3.0f}, {0, 0.4f, 0}, 40.0f, pixels, pixels}, vec3(0.7f), mirrors};
+    scene.receivers = make_receivers(scene.receiver_spec, scene.mesh);
+    scene.light = lamp;
+    return scene;
+  };
+  const auto wall = [](float z) { return Mirror{MirrorPlane{{0, 1, z}, {9, 0, 0}, {0, 9, 0}}, true}; };
+  const Scene scenes[] = {picture(12, {}, make_disc({1, 0, 1}, {0, 1, 0}, 0.3f, vec3(5.0f))),
+                          picture(12, {}, make_rectangle({0, 1, 0}, {1, 0, 0}, {0, 0, 1}, vec3(5.0f))),
+                          picture(12, {}, make_disc({1, 3, 1}, {0, -1, 0}, 0.0f, vec3(5.0f))),
+                          picture(1, {}, make_disc({1, 3, 1}, {0, -1, 0}, 0.5f, vec3(5.0f))),
+                          picture(12, {wall(-2.0f), wall(4.0f)}, make_disc({1, 3, 1}, {0, -1, 0}, 0.5f, vec3(5.0f)))};
+  const Registry registry = make_registry();
+  for (const Entry& entry : registry.entries()) {
+    if (!entry.lights.area || entry.backend == Backend::cuda) continue;
+    for (const Scene& scene : scenes) {
+      const std::vector<vec3> image = test::shade(*entry.make(test::small_parameters(entry)), scene);
+      for (int i = 0; i < scene.receivers.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+          const float value = image[std::size_t(i)][c];
+          EXPECT_TRUE(std::isfinite(value) && value >= 0.0f) << entry.title() << " " << value;
+          if (!scene.receivers.valid(i)) EXPECT_EQ(value, 0.0f) << entry.title();
+        }
+    }
+  }
+}
+
 /// What a frame of a moving camera shows does not depend on the frames before it.
 TEST(Variants, FramesOfACameraForgetThoseBefore) {
   const Registry registry = cuda_on_host::make_registry();
