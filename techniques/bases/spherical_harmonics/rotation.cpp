@@ -87,8 +87,9 @@ Rotation::Rotation(int order, const glm::dmat3& turn) : order_(order) {
   entries_.resize(std::size_t(first_entry(order)));
   entries_[0] = 1.0;
   constexpr int axis[3] = {1, 2, 0};  // band 1 is y, z, x
+  std::size_t entry = 1;
   for (int m = 0; m < 3 && order > 1; ++m)
-    for (int n = 0; n < 3; ++n) entries_[std::size_t(1 + 3 * m + n)] = turn[axis[n]][axis[m]];
+    for (int n = 0; n < 3; ++n) entries_[entry++] = turn[axis[n]][axis[m]];
   const Factors* factors = all_factors().data();
   for (int l = 2; l < order; ++l) {
     const Band first{&entries_[1], 1}, before{&entries_[std::size_t(first_entry(l - 1))], l - 1};
