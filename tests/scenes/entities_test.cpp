@@ -64,6 +64,19 @@ TEST(Entities, FollowOneAnotherAndMoveOnTheirOwn) {
   EXPECT_EQ(frame.spheres.spheres[2].centre, scene.spheres.spheres[2].centre);
 }
 
+TEST(Entities, SpheresOfTheSecondMoveWithTheSecond) {
+  const Scene scene =
+      load_text("[[entity]]\n" + box +
+                "[[entity]]\nmesh = \"sphere\"\nfit = { height = 1.0, at = [2, 0.5, 0] }\n"
+                "spheres = [[0, 0, 0, 1]]\nmotion = { kind = \"rigid\", amount = 0.0, travel = [0, 1, 0], "
+                "period = 4 }\n" +
+                rest);
+  Animation animation(scene);
+  const Frame frame = animation.frame(1);
+  EXPECT_EQ(frame.spheres.spheres[0].centre, scene.spheres.spheres[0].centre);
+  EXPECT_LT(glm::distance(frame.spheres.spheres[1].centre, vec3(2, 1.5f, 0)), 1e-4f);
+}
+
 /// An entity turns about its own middle; one without a motion follows the scene's.
 TEST(Entities, TurnAboutTheirOwnMiddle) {
   const std::string turning =
