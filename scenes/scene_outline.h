@@ -12,6 +12,10 @@ struct SceneOutline {
   bool environment = true;        ///< lit from all around
   bool lamps = false;             ///< lit by lamps, alone or besides
   bool fitted() const { return !objective.empty(); }
+  /// "for shadow", "of mixed origin" or "given".
+  std::string origin_of_spheres() const {
+    return objective == "mixed" ? "of mixed origin" : fitted() ? "for " + objective : "given";
+  }
 };
 
 /// Reads a shipped scene or a file, and checks only the keys that it needs. Throws Error naming file, line and what is

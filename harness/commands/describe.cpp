@@ -81,7 +81,8 @@ std::string mesh_text(const Scene& scene, std::string name) {
 
 std::string spheres_text(const SceneOutline& outline) {
   if (outline.spheres == 0) return "none: techniques that need them are skipped";
-  return fmt::format("{}{}", outline.spheres, outline.fitted() ? ", fitted for " + outline.objective : ", given");
+  const std::string origin = outline.origin_of_spheres();
+  return fmt::format("{}, {}{}", outline.spheres, origin.starts_with("for ") ? "fitted " : "", origin);
 }
 
 std::string mirrors_text(const ReceiverSpec& spec) {

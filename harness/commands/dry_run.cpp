@@ -44,7 +44,7 @@ class DryScene {
   std::string describe(Sum& sum, std::string& labels_before, int width) {
     const SceneOutline& o = planned_.outline;
     const std::string spheres =
-        o.spheres == 0 ? "no spheres" : counted(o.spheres, "sphere") + (o.fitted() ? " for " + o.objective : "");
+        o.spheres == 0 ? "no spheres" : counted(o.spheres, "sphere") + (o.fitted() ? " " + o.origin_of_spheres() : "");
     std::string text =
         wrapped(fmt::format("{}: {} receivers, {}", o.name, scene_.receivers.size(), spheres), width) + "\n";
     const auto line = [&](const char* label, const std::string& what) { text += labelled(label, what, column, width); };
